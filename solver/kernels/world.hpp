@@ -190,12 +190,16 @@ template <int d> class World {
     static constexpr double INSET = 1e-6;       // of the size: for deciding which corners count
     static constexpr double ROUND_OFF = 1e-12;  // of the size: gaps below are none
     static constexpr double TOUCHING = 1e-9;    // of the size: contacts closer than this touch already
+    static constexpr double LANDING = 1e-8;     // of the size: contacts closer than this land together
     static constexpr double SMALLEST_PIECE = 1e-3;  // of a step, before or after an end of slip
     static constexpr double AT_END = 1e-9;          // of a step: touches this close to its ends are there
     static constexpr double STOPPED = 1e-6;
     static constexpr double PIVOT = 1e-6;  // of the speed of a landing: slower contacts are its pivots
     static constexpr double SLOW = 1e-3;
     static constexpr double STEEPEST = 0.5;  // upward component of the normal of what bears a body
+    // Friction that falls with speed follows it all the way, then half the way, at last not at all.
+    static constexpr int FRICTION_ROUNDS = 40;
+    static constexpr std::array<double, 3> SHARES{1.0, 0.5, 0.0};
     static constexpr int CUTS = 5, LOCATING = 30, MOST_WIDENED = 3;
     static constexpr int LARGEST_CUT = 12;  // bodies of a group that is cut where nothing rebounds
 
@@ -600,8 +604,6 @@ template <int d> class World {
     /// Rows, friction and impulses of an island until none of them changes; false where they do not
     /// settle. Rows are right when their error moves no point by more than round-off of the size.
     bool settle(Attempt& A, Island<d>& island, double dt, const Vec<d>& load) {
-        constexpr int ROUNDS = 40;
-        constexpr double SHARES[] = {1.0, 0.5, 0.0};
         for (std::size_t j = 0; j < island.bodies.size(); j++) {
             const int b = island.bodies[j];
             island.mass[j] = A.mass[b];
@@ -613,7 +615,7 @@ template <int d> class World {
             k->anchor = k->impulse;
             k->bound = bound_at_start(*k->law, k->past, k->area * dt);
         }
-        for (int round = 0; round < 3 * ROUNDS; round++) {
+        for (int round = 0; round < 3 * FRICTION_ROUNDS; round++) {
             counts.outer++;
             double changed = 0, turned = 0;
             for (int b : island.bodies) A.end[b] = bodies[b].moved(0.5 * dt * A.w[b]);
@@ -638,7 +640,7 @@ template <int d> class World {
             if (!(changed < INFINITY)) return false;
             if (!(changed * turned < 1e-14 * size_)) continue;
             bool friction_changed = false;
-            for (std::size_t i = 0; i < island.contacts.size(); i++) friction_changed |= follow(*island.contacts[i], island.own[i][1], dt, SHARES[round / ROUNDS]);
+            for (std::size_t i = 0; i < island.contacts.size(); i++) friction_changed |= follow(*island.contacts[i], island.own[i][1], dt, SHARES[round / FRICTION_ROUNDS]);
             if (friction_changed) continue;
             if (!local.finish(island) && !rough_) return false;
             for (std::size_t j = 0; j < island.bodies.size(); j++) {
@@ -1302,13 +1304,26 @@ template <int d> class World {
         for (C& k : A.contacts) {
             const int a = k.feature.point_body, b = k.feature.face_body;
             write_contact_rows(k, A.start[a].at, A.start[a].at, A.start[b].at, A.start[b].at);
-            k.closed = k.gap <= TOUCHING * size_;
+            k.closed = k.gap <= LANDING * size_;
             k.end_gap = k.gap;
         }
         gather_islands(A, [](const C& k) { return k.closed; });
         for (int i = 0; i < A.island_count; i++) strike(A, A.islands[i], when);
         for (C& k : A.contacts)
-            if (k.closed) share_impulse(k);
+            if (k.closed) {
+                remember_impact(k);
+                share_impulse(k);
+            }
+    }
+
+    /// Notes that a contact struck, and how fast it slips afterwards.
+    void remember_impact(const C& k) {
+        if (!(k.impulse[0] > 0)) return;
+        const auto [low, high] = std::minmax(k.feature.point_body, k.feature.face_body);
+        Remembered<d>& record = memory_.record(low, high, k.id);
+        const double rate = k.state == SLIP || k.state == SLIP_BACK ? norm_from(k.y, 1) : 0.0;
+        const bool broken = record.friction.broken || rate > 0;
+        record = {k.id, {}, {}, {}, k.gap, true, {rate, rate > 0, broken}, number_};
     }
 
     /// The law of impact on the touching contacts of an island, at an instant:
@@ -1355,13 +1370,25 @@ template <int d> class World {
         record_impacts(A, island, when);
     }
 
-    /// Impulses of an impact from none.
+    /// Impulses of an impact from none, with the friction of the slip that they leave.
     bool settle_impact(Island<d>& island) {
         for (C* k : island.contacts) {
             k->impulse.fill(0);
             k->anchor.fill(0);
         }
-        return local.solve(island) && local.finish(island);
+        for (double share : SHARES)
+            for (int round = 0; round < FRICTION_ROUNDS; round++) {
+                if (!local.solve(island)) return false;
+                bool changed = false;
+                for (std::size_t i = 0; i < island.contacts.size(); i++) {
+                    C& k = *island.contacts[i];
+                    const bool slips = k.state == SLIP || k.state == SLIP_BACK;
+                    const double speed = 0.5 * norm_from(before_[i] + local.reading(island, k), 1);
+                    if (k.mode == FrictionMode::LAW && k.bound.mu > 0) changed |= follow_slip(*k.law, k.bound, slips ? speed : 0.0, slips, share);
+                }
+                if (!changed) return local.finish(island);
+            }
+        return false;
     }
 
     /// Replaces the impulses of a plastic impact by those with rebounds, as far as these gain no energy.
