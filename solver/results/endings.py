@@ -3,9 +3,10 @@
 A block has overturned where it leans, against upright, beyond the angle from which it does not come
 back (`rocking.no_return`). It has fallen where it moves down and either all of it is below the
 plane of the top of what carried it, or all of it is beside that top and some of it below: nothing
-holds it any more. Where several carried it, it is off all of them. Where rigid blocks with a restitution stand on a plate, their engine takes it for
-the ground, and a run ends where a corner touches that beyond its edge. All are found from the
-columns of a history, in the same way for all engines.
+holds it any more. Where several carried it, it is off all of them. Where rigid blocks with a
+restitution stand on a plate, their engine takes it for the ground, and a run ends where a corner
+touches that beyond its edge. All are found from the columns of a history, in the same way for all
+engines.
 """
 
 from __future__ import annotations
