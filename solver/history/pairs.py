@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from solver.errors import of_file
+from solver.errors import SceneError, of_file
 from solver.types import Array
 
 NAME = "pairs.csv"
@@ -77,3 +77,23 @@ class PairTable:
 def kept_pairs(pairs: Array, kept: Array) -> Array:
     """The rows of those steps that are kept, by a mask over the steps."""
     return pairs[np.asarray(kept)[pairs[:, 0].astype(int)]] if len(pairs) else pairs
+
+
+def read_pairs(file: Path) -> dict[tuple[str, str], dict[str, Array]]:
+    """The columns with numbers of a file, by pairs of names; times before the first touch lack.
+
+    Raises:
+        SceneError: It cannot be read.
+    """
+    found: dict[tuple[str, str], list[list[float]]] = {}
+    try:
+        head, *lines = file.read_text(encoding="utf-8").splitlines()
+        for line in lines:
+            time, first, second, *values = line.split(",")
+            found.setdefault((first, second), []).append([float(x) for x in (time, *values)])
+        names = [name for name in head.split(",") if name not in ("first", "second")]
+        return {
+            pair: dict(zip(names, np.array(rows).T, strict=True)) for pair, rows in found.items()
+        }
+    except (OSError, ValueError) as error:
+        raise SceneError(str(file), f"{error}", "a pairs.csv as it was written") from error
