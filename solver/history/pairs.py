@@ -14,16 +14,16 @@ NAME = "pairs.csv"
 """Name of the file."""
 
 MEANING = {
-    "time_s": "time of the row of the history, s",
-    "first": "name of a body",
-    "second": 'name of a body that it has touched by then; "foundation" is never the first',
-    "normal_N": "normal force between them, N; as all forces here the mean over the step",
-    "friction_N": "friction on the first, N, along the first tangent",
-    "friction_second_N": "in space: along the second tangent, N",
-    "gap_m": "how far they are apart along the axis that separates them best, m; below 0: overlap",
-    "slip_m": "what the first has slipped over the second, as long as they touched, m",
-    "slip_second_m": "in space: along the second tangent, m",
-    "points": "number of points that touch",
+    "time_s": "Time of the row of the history, s.",
+    "first": "Name of a body.",
+    "second": 'Name of a body that it has touched by then; "foundation" is never the first.',
+    "normal_N": "Normal force between them, N; as all forces here the mean over the step.",
+    "friction_N": "Friction on the first, N, along the first tangent.",
+    "friction_second_N": "In space: along the second tangent, N.",
+    "gap_m": "How far they are apart along the axis that separates them best, m; below 0: overlap.",
+    "slip_m": "What the first has slipped over the second, as long as they touched, m.",
+    "slip_second_m": "In space: along the second tangent, m.",
+    "points": "Number of points that touch.",
 }
 """Names of the columns with what they hold."""
 

@@ -90,7 +90,7 @@ def _impulse(event: Event) -> float:
 
 def test_a_run_that_ends_within_steps_taken_together_has_no_collision_twice() -> None:
     """`time.stop` takes the last steps once more: the events are those of a run to that end."""
-    bouncing = {"position": [0.0, 0.3], "restitution": 0.7}
+    bouncing = {"position": [0.0, 0.23], "restitution": 0.7}
     falling = {"name": "f", "offset": 3.0, "width": 0.1, "height": 1.0, "tilt_deg": 8.0}
     stopped = run(bouncing, falling, time={"stop": "overturned"})
     end = stopped.summary["end_s"]
