@@ -121,10 +121,10 @@ def _means(time: Array, values: Array, times: Array) -> Array:
 
 
 def _foot(centres: Array, frames: Array, half: Array, up: Array) -> Array:
-    """Lowest point of the bottom over the carrier: a corner, or between those that share."""
+    """Lowest point over the carrier: a corner, or between those that share, also of a side."""
     dimension = len(half)
-    signs = np.array(np.meshgrid(*[[-1.0, 1.0]] * (dimension - 1))).reshape(dimension - 1, -1).T
-    corners = np.concatenate([signs, -np.ones((len(signs), 1))], axis=1) * half
+    signs = np.array(np.meshgrid(*[[-1.0, 1.0]] * dimension)).reshape(dimension, -1).T
+    corners = signs * half
     placed = centres[:, None] + np.einsum("nij,kj->nki", frames, corners)
     height = np.einsum("nki,ni->nk", placed, up)
     height -= height.min(axis=1, keepdims=True)
