@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +23,12 @@ MEANING = {
     "gap_m": "How far they are apart along the axis that separates them best, m; below 0: overlap.",
     "slip_m": "What the first has slipped over the second, as long as they touched, m.",
     "slip_second_m": "In space: along the second tangent, m.",
+    "x_m": "Where they press on one another, the mean by the normal forces, m.",
+    "y_m": "The same along y, m.",
+    "z_m": "In space: along z, m.",
+    "normal_x": "The mean unit normal, from the second to the first.",
+    "normal_y": "The same along y.",
+    "normal_z": "In space: along z.",
     "points": "Number of points that touch.",
 }
 """Names of the columns with what they hold."""
@@ -30,7 +36,8 @@ MEANING = {
 
 def pair_columns(dimension: int) -> tuple[str, ...]:
     """Names of the columns, in their order."""
-    return tuple(name for name in MEANING if dimension == 3 or "_second" not in name)
+    spatial = ("friction_second_N", "slip_second_m", "z_m", "normal_z")
+    return tuple(name for name in MEANING if dimension == 3 or name not in spatial)
 
 
 class PairTable:
@@ -72,6 +79,23 @@ class PairTable:
         with self._file.open("a", encoding="utf-8") as file:
             file.writelines(self._waiting)
         self._waiting.clear()
+
+
+def force_on_first(known: Mapping[str, Array]) -> Array:
+    """The force on the first body of a pair, by its columns, N, (rows, d)."""
+    axes = "xyz" if "normal_z" in known else "xy"
+    normal = np.stack([known[f"normal_{axis}"] for axis in axes], axis=1)
+    force = known["normal_N"][:, None] * normal
+    if len(axes) == 2:
+        tangent = np.stack([normal[:, 1], -normal[:, 0]], axis=1)
+        return np.asarray(force + known["friction_N"][:, None] * tangent)
+    x, y, z, none = *normal.T, np.zeros(len(normal))
+    along = np.stack([z, none, -x], axis=1)
+    steep = np.stack([y, -x, none], axis=1)
+    first = np.where((np.abs(y) < 0.9)[:, None], along, steep)
+    first /= np.maximum(np.linalg.norm(first, axis=1), 1e-300)[:, None]
+    force += known["friction_N"][:, None] * first
+    return np.asarray(force + known["friction_second_N"][:, None] * np.cross(normal, first))
 
 
 def kept_pairs(pairs: Array, kept: Array) -> Array:

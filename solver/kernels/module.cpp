@@ -76,7 +76,8 @@ template <int d> void write_state(World<d>& world, double* of_bodies, double* of
     *of_step++ = static_cast<double>(world.counts.halved);
 }
 
-/// Appends all pairs that have touched: number of the step, a, b, points, normal force, friction on a, gap, slip.
+/// Appends all pairs that have touched: number of the step, a, b, points, normal force, friction on a,
+/// gap, slip, place, normal.
 template <int d> void write_pairs(const World<d>& world, std::vector<double>& out, int step, double dt) {
     for (const PairTold<d>& pair : world.told) {
         const auto tangents = World<d>::tangents(pair.normal);
@@ -84,6 +85,8 @@ template <int d> void write_pairs(const World<d>& world, std::vector<double>& ou
         for (const Vec<d>& along : tangents) out.push_back(dot(pair.impulse, along) / dt);
         out.push_back(pair.gap);
         out.insert(out.end(), pair.slip.begin() + 1, pair.slip.end());
+        out.insert(out.end(), pair.place.begin(), pair.place.end());
+        out.insert(out.end(), pair.normal.begin(), pair.normal.end());
     }
 }
 

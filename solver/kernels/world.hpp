@@ -51,6 +51,8 @@ template <int d> struct PairTold {
     Vec<d> normal{};         // mean by the points, from b to a; as it was where nothing touches
     Vec<d> impulse{};        // of the step on a, N s
     double gap = 0;          // at the end of the step, along the axis that separates them best, m
+    Vec<d> place{};          // where they press, mean by normal impulses, m; as it was where they do not
+    double pressed = 0;      // normal impulses so far, N s
     Vec<d> slip{};           // of a over b in contact, along the tangents of all steps, m; the first is unused
 };
 
@@ -136,6 +138,7 @@ template <int d> class World {
         for (PairTold<d>& pair : told) {
             pair.points = 0;
             pair.impulse.fill(0);
+            pair.pressed = 0;
         }
         std::fill(penetration.begin(), penetration.end(), 0.0);
         spring_impulse.fill(0);
@@ -173,7 +176,7 @@ template <int d> class World {
         for (Body<d>& body : bodies) archive(body.x, body.v, body.rotation.value, body.spin, body.turned, body.spring_force);
         for (Vec<d>& each : slip) archive(each);
         archive.size(told);
-        for (PairTold<d>& pair : told) archive(pair.a, pair.b, pair.points, pair.normal, pair.impulse, pair.gap, pair.slip);
+        for (PairTold<d>& pair : told) archive(pair.a, pair.b, pair.points, pair.normal, pair.impulse, pair.gap, pair.place, pair.pressed, pair.slip);
         auto& pairs = memory_.pairs();
         archive.size(pairs);
         for (auto& pair : pairs) {
@@ -718,7 +721,7 @@ template <int d> class World {
         }
         for (C& k : A.contacts) {
             remember(k);
-            share_impulse(k);
+            share_impulse(A, k);
         }
     }
 
@@ -921,12 +924,12 @@ template <int d> class World {
     }
 
     /// Adds the impulses of a contact to what its bodies got in this step.
-    void share_impulse(const C& k) {
+    void share_impulse(const Attempt& A, const C& k) {
         if (!k.closed) return;
         const int a = k.feature.point_body, b = k.feature.face_body;
         Vec<d> force{};
         for (int i = 0; i < d; i++) force += k.total[i] * axis(k, i);
-        if (tells_pairs) tell(k, force);
+        if (tells_pairs) tell(A, k, force);
         const double up = axis(k, 0)[d - 1];
         if (bears(b, a, up)) received[a] += force;
         if (bears(a, b, -up)) received[b] += -1.0 * force;
@@ -993,7 +996,7 @@ template <int d> class World {
     }
 
     /// Adds a contact that is closed to what is told of its pair.
-    void tell(const C& k, const Vec<d>& force) {
+    void tell(const Attempt& A, const C& k, const Vec<d>& force) {
         PairTold<d>& pair = told_of(k.feature.point_body, k.feature.face_body);
         const double sign = k.feature.point_body == pair.a ? 1 : -1;
         pair.impulse += sign * force;
@@ -1001,6 +1004,9 @@ template <int d> class World {
         const double length = norm(sum);
         if (length > 0) pair.normal = (1 / length) * sum;
         pair.points++;
+        const double push = std::max(k.total[0], 0.0), share = pair.pressed + push > 0 ? push / (pair.pressed + push) : 0;
+        pair.place = (1 - share) * pair.place + share * place_of(A, k);
+        pair.pressed += push;
     }
 
     /// Adds to the slip of each pair the mean way of its contacts.
@@ -1312,7 +1318,7 @@ template <int d> class World {
         for (C& k : A.contacts)
             if (k.closed) {
                 remember_impact(k);
-                share_impulse(k);
+                share_impulse(A, k);
             }
     }
 

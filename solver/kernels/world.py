@@ -328,10 +328,10 @@ class World:
         """The pairs that have ever touched, after each step of the last run.
 
         Rows of the number of the step, both bodies (the lower number first), points that touch,
-        normal force and friction on the first (N; d - 1 numbers), gap (m), and what the first has
-        slipped over the second (m; d - 1 numbers).
+        normal force and friction on the first (N; d - 1 numbers), gap (m), what the first has
+        slipped over the second (m; d - 1 numbers), place (m), normal from the second to the first.
         """
-        number, width = self._library.world_pairs(self._handle, None), 6 + 2 * (self._d - 1)
+        number, width = self._library.world_pairs(self._handle, None), 4 + 4 * self._d
         out = np.empty((number // width, width))
         self._library.world_pairs(self._handle, _place(out))
         return out

@@ -85,14 +85,7 @@ def _add_forces(axes: Axes, run: Run, block: BlockSpec) -> None:
 
 def _neighbours(run: Run) -> list[tuple[tuple[str, str], dict[str, Array]]]:
     """Blocks of which neither carries the other with what they did, those that press most first."""
-    carriers = {block.name: block.carriers for block in run.scene.blocks}
-    found = [
-        (pair, known)
-        for pair, known in run.pairs().items()
-        if all(name in carriers for name in pair)
-        and pair[0] not in carriers[pair[1]]
-        and pair[1] not in carriers[pair[0]]
-    ]
+    found = list(run.neighbours().items())
     found.sort(key=lambda entry: float(np.sum(entry[1]["normal_N"])), reverse=True)
     return found[:MOST_PAIRS]
 

@@ -13,7 +13,8 @@ import pytest
 from rockslip import Result, parse_scene, read_run, simulate
 from solver.errors import SceneError
 from solver.history.events import Event
-from solver.history.pairs import read_pairs
+from solver.history.pairs import force_on_first, read_pairs
+from solver.pictures.contact import pair_frames
 from solver.pictures.forces import draw_forces
 from solver.results.meetings import Contacts, meeting_lines, meetings
 from solver.results.report import report
@@ -126,6 +127,13 @@ def test_events_and_pairs_of_a_run_that_went_on(tmp_path: Path, fallen: Result) 
     slides = np.abs(np.diff(touched["slip_m"])) > 1e-6
     ratio = touched["friction_N"][1:][slides] / touched["normal_N"][1:][slides]
     assert np.quantile(np.abs(ratio), 0.5) == pytest.approx(0.5, rel=1e-3)
+    frames = np.linspace(0.0, 2.0, 101)
+    pushes = pair_frames(read_run(tmp_path / "whole"), frames)
+    assert len(pushes) == 4
+    assert all(np.all(p.force[frames < 0.6] == 0) and np.abs(p.force).max() > 0 for p in pushes)
+    # n1 leans on n2 from the left, so that n2 pushes it back.
+    assert np.all(pushes[0].force[(frames > 0.7) & (frames < 1.4), 0] < 0)
+    assert np.all(np.diff(pushes[0].place[(frames > 0.7) & (frames < 1.4), 1]) < 0)
     figure = draw_forces(read_run(tmp_path / "whole"))
     titles = {axes.get_title(loc="left") for axes in figure.axes}
     assert {"n5", "between n1 and n2", "between n4 and n5"} <= titles
@@ -149,6 +157,15 @@ def test_pairs_of_a_lintel_at_rest(dimension: int, tmp_path: Path) -> None:
         assert b > a
         assert known["a", "foundation"]["normal_N"][row] == pytest.approx(weight + a, rel=1e-9)
         assert known["b", "foundation"]["normal_N"][row] == pytest.approx(weight + b, rel=1e-9)
+    pushes = 0.0
+    for name, middle in (("a", -0.8), ("b", 0.8)):
+        on_post = known[name, "lintel"]
+        push = force_on_first(on_post)
+        np.testing.assert_allclose(push[:, -1], -on_post["normal_N"], rtol=1e-12)
+        np.testing.assert_allclose(on_post["z_m" if dimension == 3 else "y_m"], 0.4, atol=1e-12)
+        assert np.all(np.abs(on_post["x_m"] - middle) <= 0.2 + 1e-9)
+        pushes = pushes + push[:, 0]
+    np.testing.assert_allclose(pushes, 0.0, atol=1e-6)  # a thrust of the frame is its own
     for pair in known.values():
         assert np.abs(pair["gap_m"]).max() < 1e-9 and np.abs(pair["slip_m"]).max() < 1e-9
         assert set(pair["points"]) == {2.0 if dimension == 2 else 4.0}
