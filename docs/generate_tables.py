@@ -20,6 +20,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_typ
 
 from solver import scene
 from solver.history.events import Event
+from solver.history.pairs import MEANING
 from solver.history.table import TABLE, Column
 from solver.scene import Scene, foundation, motion, output
 from solver.scene.cells import SHAPES
@@ -59,10 +60,18 @@ def table(heads: tuple[str, ...], rows: Iterator[tuple[str, ...]]) -> str:
 
 
 def columns_table(name: str) -> str:
-    """A table of columns of the history."""
+    """A table of columns of the history, of the events or of the pairs."""
     if name == "columns of the events":
-        cells = texts(Event).items()
-        return table(("column", "meaning"), ((f"`{key}`", text) for key, text in cells))
+        cells = texts(Event)
+    elif name == "columns of the pairs":
+        cells = MEANING
+    else:
+        return history_table(name)
+    return table(("column", "meaning"), ((f"`{key}`", text) for key, text in cells.items()))
+
+
+def history_table(name: str) -> str:
+    """A table of columns of the history."""
     chosen = [column for column in TABLE if COLUMNS[name](column)]
     rows = ((f"`{column.name}`", column.unit, column.meaning) for column in chosen)
     return table(("column", "unit", "meaning"), rows)
@@ -186,7 +195,7 @@ def specification(name: str) -> Any:
 
 def generated(name: str) -> str:
     """A table by the name that its comment gives it."""
-    if name in COLUMNS or name == "columns of the events":
+    if name.startswith("columns of "):
         return columns_table(name)
     if name.startswith("kinds of "):
         return kinds_table(name.removeprefix("kinds of "))

@@ -1,4 +1,7 @@
-"""Events of a run, and the file `events.csv` beside its history that has one in each line."""
+"""Events of a run, and the file `events.csv` beside its history that has one in each line.
+
+An engine that knows at which instants two bodies meet says so by meetings (`Meeting`).
+"""
 
 from __future__ import annotations
 
@@ -6,7 +9,7 @@ import csv
 import io
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
 from solver.errors import SceneError
@@ -17,7 +20,7 @@ NAME = "events.csv"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Event:
-    """An instant at which a block lands, lifts off, or loses what carries it.
+    """An instant at which a block lands, lifts off, meets another body, or loses what carries it.
 
     Velocities are those against what it meets; nan where there is none, or it is not known.
     """
@@ -25,15 +28,17 @@ class Event:
     time_s: float
     """Time, s."""
     kind: str
-    """"impact", "lift-off", "flight", "landing", "carrier lost", "overturned" or "fell"."""
+    """"impact", "lift-off", "flight", "landing", "collision", "carrier lost", "overturned" or
+    "fell"."""
     block: str
-    """Name of the block."""
+    """Name of the block; in a collision, of the body that moves faster towards the other one."""
     meets: str
-    """Name of the block that it lands on or lifts off, or "foundation"."""
+    """Name of the block that it lands on, lifts off or strikes, or "foundation"."""
     where: str = ""
     """Corners of its bottom that land or lift off, as in `gap_left_m`, joined by "+"."""
     velocity_before_m_s: float = math.nan
-    """Normal velocity of these corners just before, upwards, m/s."""
+    """Normal velocity of these corners, or of what strikes, just before, upwards or away from what
+    it meets, m/s."""
     velocity_after_m_s: float = math.nan
     """Just after, m/s."""
     angular_velocity_before_rad_s: float = math.nan
@@ -43,11 +48,52 @@ class Event:
     impulse_Ns: float = math.nan
     """Normal impulse of the impact, without that of the weight, N s."""
     energy_lost_J: float = math.nan
-    """Energy of rotation that the impact took, J."""
+    """Energy that the impact took, J; where something deforms, that of the rotation."""
     restitution: float = math.nan
     """Angular velocity after the impact over that before it."""
     reason: str = ""
     """Reason why that is no restitution, or not known; else empty."""
+    impulse_tangential_Ns: float = math.nan
+    """Magnitude of the tangential impulse, N s."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Meeting:
+    """Two bodies that come together at an instant, as an engine knows it."""
+
+    time_s: float
+    first: str
+    second: str
+    """Names of the bodies."""
+    up: float
+    """Upward component of the unit normal, from the second to the first."""
+    approach_m_s: float
+    """Normal velocity with which they come together."""
+    departure_m_s: float
+    """And part."""
+    brought_m_s: float
+    """Part of the approach that the first brings."""
+    impulse_Ns: float
+    """Normal."""
+    impulse_tangential_Ns: float
+    """Its magnitude."""
+    energy_lost_J: float
+    spin_rad_s: tuple[float, ...]
+    """Angular velocity of the first against the second before, in space, or anticlockwise."""
+    later_spin_rad_s: tuple[float, ...]
+    """And after; nan where it is not known."""
+
+    def joined(self, later: Meeting) -> Meeting:
+        """This one and one of the same bodies shortly after it, as one."""
+        return replace(
+            self,
+            approach_m_s=max(self.approach_m_s, later.approach_m_s),
+            departure_m_s=later.departure_m_s,
+            impulse_Ns=self.impulse_Ns + later.impulse_Ns,
+            impulse_tangential_Ns=self.impulse_tangential_Ns + later.impulse_tangential_Ns,
+            energy_lost_J=self.energy_lost_J + later.energy_lost_J,
+            later_spin_rad_s=later.later_spin_rad_s,
+        )
 
 
 COLUMNS = tuple(field.name for field in fields(Event))

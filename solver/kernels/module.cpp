@@ -12,6 +12,7 @@ struct Handle {
     int d;
     World<2> plane;
     World<3> space;
+    std::vector<double> pairs;  // of the steps of the last run
 };
 
 template <class F> auto with(void* handle, F f) {
@@ -75,8 +76,23 @@ template <int d> void write_state(World<d>& world, double* of_bodies, double* of
     *of_step++ = static_cast<double>(world.counts.halved);
 }
 
+/// Appends all pairs that have touched: number of the step, a, b, points, normal force, friction on a,
+/// gap, slip, place, normal.
+template <int d> void write_pairs(const World<d>& world, std::vector<double>& out, int step, double dt) {
+    for (const PairTold<d>& pair : world.told) {
+        const auto tangents = World<d>::tangents(pair.normal);
+        out.insert(out.end(), {double(step), double(pair.a), double(pair.b), double(pair.points), dot(pair.impulse, pair.normal) / dt});
+        for (const Vec<d>& along : tangents) out.push_back(dot(pair.impulse, along) / dt);
+        out.push_back(pair.gap);
+        out.insert(out.end(), pair.slip.begin() + 1, pair.slip.end());
+        out.insert(out.end(), pair.place.begin(), pair.place.end());
+        out.insert(out.end(), pair.normal.begin(), pair.normal.end());
+    }
+}
+
 template <int d> int run(World<d>& world, int steps, double dt, double smallest, const double* ground, const double* shift,
-                         double* of_bodies, double* of_steps) {
+                         double* of_bodies, double* of_steps, std::vector<double>& of_pairs) {
+    of_pairs.clear();
     for (int i = 0; i < steps; i++) {
         GroundMotion<d> motion;
         if (ground)
@@ -87,6 +103,7 @@ template <int d> int run(World<d>& world, int steps, double dt, double smallest,
         if (!world.step(dt, smallest, motion)) return i;
         const auto row = static_cast<std::size_t>(i);
         if (of_bodies) write_state(world, of_bodies + STATE<d> * world.bodies.size() * row, of_steps + TOTALS<d> * row);
+        if (world.tells_pairs) write_pairs(world, of_pairs, i, dt);
     }
     return steps;
 }
@@ -185,7 +202,20 @@ void world_begin(void* handle, const int* law_of, const int* carriers, const int
 }
 
 int world_run(void* handle, int steps, double dt, double smallest, const double* ground, const double* shift, double* of_bodies, double* of_steps) {
-    return with(handle, [&](auto& world) { return run(world, steps, dt, smallest, ground, shift, of_bodies, of_steps); });
+    std::vector<double>& of_pairs = static_cast<Handle*>(handle)->pairs;
+    return with(handle, [&](auto& world) { return run(world, steps, dt, smallest, ground, shift, of_bodies, of_steps, of_pairs); });
+}
+
+/// From here on what pairs of bodies do to one another is told.
+void world_tell_pairs(void* handle) {
+    with(handle, [](auto& world) { world.tells_pairs = true; });
+}
+
+/// Writes the pairs of the steps of the last run; returns how many numbers that takes, and only that without room.
+long world_pairs(void* handle, double* out) {
+    const std::vector<double>& pairs = static_cast<Handle*>(handle)->pairs;
+    if (out) std::copy(pairs.begin(), pairs.end(), out);
+    return static_cast<long>(pairs.size());
 }
 
 void world_state(void* handle, double* of_bodies, double* of_step) {
@@ -193,7 +223,7 @@ void world_state(void* handle, double* of_bodies, double* of_step) {
 }
 
 /// Writes the collisions since the last call, each as time, a, b, points, place, normal, approach,
-/// departure, impulse, energy, and forgets them; returns their number, and only that without room.
+/// departure, what a brings, spin before and after, impulse, energy, and forgets them; returns their number, and only that without room.
 long world_collisions(void* handle, double* out) {
     return with(handle, [&](auto& world) {
         const long count = static_cast<long>(world.collisions.size());
@@ -202,7 +232,9 @@ long world_collisions(void* handle, double* out) {
             write(out, Numbers<4>{met.time, double(met.a), double(met.b), double(met.points)});
             write(out, met.place);
             write(out, met.normal);
-            write(out, Numbers<2>{met.approach, met.departure});
+            write(out, Numbers<3>{met.approach, met.departure, met.brought});
+            write(out, met.spin);
+            write(out, met.later_spin);
             write(out, met.impulse);
             *out++ = met.energy;
         }

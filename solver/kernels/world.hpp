@@ -10,7 +10,9 @@
 #pragma once
 
 #include <deque>
+#include <map>
 #include <memory>
+#include <tuple>
 
 #include "broad_phase.hpp"
 #include "local_problem.hpp"
@@ -35,8 +37,23 @@ template <int d> struct Collision {
     Vec<d> normal{};         // mean, likewise, from b to a
     double approach = 0;     // largest normal velocity before, m/s
     double departure = 0;    // and the largest after
+    double brought = 0;      // part of the approach that a brings, where it is largest, m/s
+    Vec<Dim<d>::rotations> spin{};       // of a against b before, in space, rad/s
+    Vec<Dim<d>::rotations> later_spin{};  // and after; nan where a step was not cut there
     Vec<d> impulse{};        // on a, N s
     double energy = 0;       // lost by the impulses of this pair, J
+};
+
+/// What two bodies that have ever touched do to one another, in the frame of their mean normal.
+template <int d> struct PairTold {
+    int a = 0, b = 0;        // a < b
+    int points = 0;          // closed at the end of the step
+    Vec<d> normal{};         // mean by the points, from b to a; as it was where nothing touches
+    Vec<d> impulse{};        // of the step on a, N s
+    double gap = 0;          // at the end of the step, along the axis that separates them best, m
+    Vec<d> place{};          // where they press, mean by normal impulses, m; as it was where they do not
+    double pressed = 0;      // normal impulses so far, N s
+    Vec<d> slip{};           // of a over b in contact, along the tangents of all steps, m; the first is unused
 };
 
 /// How deep two bodies overlap, and when.
@@ -74,6 +91,8 @@ template <int d> class World {
     std::vector<Vec<d>> received;         // impulses of a step on each body from what it stands on, N s
     std::vector<double> penetration;      // of each body in any but what it carries, m
     Overlap deepest;                      // of two bodies at the start of any step so far
+    bool tells_pairs = false;
+    std::vector<PairTold<d>> told;        // pairs that have ever touched, where they are told
     Vec<d> spring_impulse{};              // of the platform's spring and dashpot on the ground in a step, N s
     LocalProblem<d> local;
     StepCounts counts;
@@ -116,6 +135,11 @@ template <int d> class World {
     /// One step; false where no step, however short, was solved.
     bool step(double dt, double smallest, const GroundMotion<d>& ground) {
         for (Vec<d>& each : received) each.fill(0);
+        for (PairTold<d>& pair : told) {
+            pair.points = 0;
+            pair.impulse.fill(0);
+            pair.pressed = 0;
+        }
         std::fill(penetration.begin(), penetration.end(), 0.0);
         spring_impulse.fill(0);
         smallest_ = smallest;
@@ -124,6 +148,7 @@ template <int d> class World {
         const bool solved = advance(0, moving_, {time, dt, ground, CUTS});
         if (solved) time = end;
         if (number_ % 64 == 0) memory_.forget_before(number_ - 2);
+        if (tells_pairs) measure_pairs();
         return solved;
     }
 
@@ -135,11 +160,23 @@ template <int d> class World {
         return closed;
     }
 
+    /// First and, in space, second tangent of a pair: y x n and n x (y x n), clockwise from n in the plane.
+    static std::array<Vec<d>, d - 1> tangents(const Vec<d>& n) {
+        if constexpr (d == 2) return {Vec<2>{n[1], -n[0]}};
+        else {
+            const Vec<3> along = std::fabs(n[1]) < 0.9 ? Vec<3>{n[2], 0, -n[0]} : Vec<3>{n[1], -n[0], 0};
+            const Vec<3> first = (1 / norm(along)) * along;
+            return {first, cross(n, first)};
+        }
+    }
+
     /// Passes all that steps change to an archive, which reads or writes numbers.
     template <class Archive> void exchange(Archive& archive) {
         archive(time, number_, deepest.depth, deepest.time, deepest.a, deepest.b, ledger.input, ledger.friction, ledger.damping, ledger.contact, ledger.numerical);
         for (Body<d>& body : bodies) archive(body.x, body.v, body.rotation.value, body.spin, body.turned, body.spring_force);
         for (Vec<d>& each : slip) archive(each);
+        archive.size(told);
+        for (PairTold<d>& pair : told) archive(pair.a, pair.b, pair.points, pair.normal, pair.impulse, pair.gap, pair.place, pair.pressed, pair.slip);
         auto& pairs = memory_.pairs();
         archive.size(pairs);
         for (auto& pair : pairs) {
@@ -686,6 +723,7 @@ template <int d> class World {
         counts.contacts += static_cast<long>(A.contacts.size());
         counts.most_contacts = std::max(counts.most_contacts, static_cast<long>(A.contacts.size()));
         follow_slips(A, dt);
+        if (tells_pairs) follow_pairs(A, dt);
         record_landings(A, dt, begin + dt);
         for (C& k : A.contacts) close_step(A, k, dt);
         const Vec<d> acceleration = ground.mean(dt);
@@ -697,7 +735,7 @@ template <int d> class World {
         }
         for (C& k : A.contacts) {
             remember(k);
-            share_impulse(k);
+            share_impulse(A, k);
         }
     }
 
@@ -900,11 +938,12 @@ template <int d> class World {
     }
 
     /// Adds the impulses of a contact to what its bodies got in this step.
-    void share_impulse(const C& k) {
+    void share_impulse(const Attempt& A, const C& k) {
         if (!k.closed) return;
         const int a = k.feature.point_body, b = k.feature.face_body;
         Vec<d> force{};
         for (int i = 0; i < d; i++) force += k.total[i] * axis(k, i);
+        if (tells_pairs) tell(A, k, force);
         const double up = axis(k, 0)[d - 1];
         if (bears(b, a, up)) received[a] += force;
         if (bears(a, b, -up)) received[b] += -1.0 * force;
@@ -954,6 +993,70 @@ template <int d> class World {
             }
             if (closed) slip[b] += (1.0 / closed) * way;
             else slip[b] += way_in_flight(A, b, carrier);
+        }
+    }
+
+    /// What is told of a pair, made where there is nothing; pairs stand in their order.
+    PairTold<d>& told_of(int a, int b) {
+        const auto [low, high] = std::minmax(a, b);
+        const auto before = [](const PairTold<d>& pair, const std::pair<int, int>& key) { return std::make_pair(pair.a, pair.b) < key; };
+        auto at = std::lower_bound(told.begin(), told.end(), std::make_pair(low, high), before);
+        if (at == told.end() || at->a != low || at->b != high) {
+            at = told.insert(at, PairTold<d>{});
+            at->a = low;
+            at->b = high;
+        }
+        return *at;
+    }
+
+    /// Adds a contact that is closed to what is told of its pair.
+    void tell(const Attempt& A, const C& k, const Vec<d>& force) {
+        PairTold<d>& pair = told_of(k.feature.point_body, k.feature.face_body);
+        const double sign = k.feature.point_body == pair.a ? 1 : -1;
+        pair.impulse += sign * force;
+        Vec<d> sum = pair.points * pair.normal + (sign / norm(axis(k, 0))) * axis(k, 0);
+        const double length = norm(sum);
+        if (length > 0) pair.normal = (1 / length) * sum;
+        pair.points++;
+        const double push = std::max(k.total[0], 0.0), share = pair.pressed + push > 0 ? push / (pair.pressed + push) : 0;
+        pair.place = (1 - share) * pair.place + share * place_of(A, k);
+        pair.pressed += push;
+    }
+
+    /// Adds to the slip of each pair the mean way of its contacts.
+    void follow_pairs(const Attempt& A, double dt) {
+        std::map<std::pair<int, int>, std::tuple<Vec<d>, Vec<d>, int>> ways;
+        for (const C& k : A.contacts) {
+            if (k.state == OPEN) continue;
+            const int a = k.feature.point_body, b = k.feature.face_body;
+            const double sign = a < b ? 1 : -1;
+            Vec<d> moved = mul(k.rows_a, A.w[a]);
+            if (bodies[b].moves()) moved += mul(k.rows_b, A.w[b]);
+            auto& [way, normal, count] = ways[std::minmax(a, b)];
+            for (int i = 1; i < d; i++) way += (sign * 0.5 * dt * moved[i]) * axis(k, i);
+            normal += sign * axis(k, 0);
+            count++;
+        }
+        for (const auto& [key, found] : ways) {
+            const auto& [way, normal, count] = found;
+            PairTold<d>& pair = told_of(key.first, key.second);
+            if (!(norm(normal) > 0)) continue;
+            const auto along = tangents((1 / norm(normal)) * normal);
+            for (int i = 1; i < d; i++) pair.slip[i] += dot(way, along[i - 1]) / count;
+        }
+    }
+
+    /// Gaps of the pairs that are told.
+    void measure_pairs() {
+        std::vector<Feature<d>> none;
+        for (PairTold<d>& pair : told) {
+            const Shape<d>&one = shapes[bodies[pair.a].shape], &other = shapes[bodies[pair.b].shape];
+            PlacedShape<d> here, there;
+            here.place(one, bodies[pair.a].placement());
+            there.place(other, bodies[pair.b].placement());
+            none.clear();
+            // No margin cuts the search short: the axis has to be the best of all.
+            pair.gap = NarrowPhase<d>(pair.a, pair.b, one, other, here, there, INFINITY, INSET * size_, none).find();
         }
     }
 
@@ -1229,7 +1332,7 @@ template <int d> class World {
         for (C& k : A.contacts)
             if (k.closed) {
                 remember_impact(k);
-                share_impulse(k);
+                share_impulse(A, k);
             }
     }
 
@@ -1453,36 +1556,62 @@ template <int d> class World {
     /// Notes the bodies that met at an instant, by the impulses and velocities of their points.
     void record_impacts(const Attempt& A, const Island<d>& island, double when) {
         const std::size_t first = collisions.size();
+        const auto spin = [](const std::vector<Motion>& of, const C& k) {
+            Vec<rotations> turn{};
+            for (int i = 0; i < rotations; i++) turn[i] = (k.a >= 0 ? of[k.a][d + i] : 0) - (k.b >= 0 ? of[k.b][d + i] : 0);
+            return turn;
+        };
         for (std::size_t i = 0; i < island.contacts.size(); i++) {
             const C& k = *island.contacts[i];
             if (k.was_closed) continue;
-            record_impact(A, k, first, when, k.impulse, before_[i], local.reading(island, k));
+            const double own = k.a >= 0 ? -dot(k.rows_a[0], velocity_[k.a]) : 0;
+            record_impact(A, k, first, when, k.impulse, before_[i], local.reading(island, k), own, spin(velocity_, k), spin(island.w, k));
+        }
+        // What the impact does where the two touched before belongs to it.
+        for (std::size_t i = 0; i < island.contacts.size(); i++) {
+            const C& k = *island.contacts[i];
+            if (!k.was_closed) continue;
+            if (Collision<d>* met = collision_of(k, first)) add_impulse(*met, k, k.impulse, before_[i] + local.reading(island, k));
         }
     }
 
-    /// Adds a point that came together to the collision of its pair, from a first one on.
-    void record_impact(const Attempt& A, const C& k, std::size_t first, double when, const Vec<d>& impulse,
-                       const Vec<d>& before, const Vec<d>& after) {
-        if (!(impulse[0] > 0) || !(before[0] < 0)) return;
+    /// The collision of the pair of a contact, from a first one on; none: nullptr.
+    Collision<d>* collision_of(const C& k, std::size_t first) {
         const auto [a, b] = std::minmax(k.feature.point_body, k.feature.face_body);
-        std::size_t at = first;
-        while (at < collisions.size() && (collisions[at].a != a || collisions[at].b != b)) at++;
-        if (at == collisions.size()) {
+        for (std::size_t i = first; i < collisions.size(); i++)
+            if (collisions[i].a == a && collisions[i].b == b) return &collisions[i];
+        return nullptr;
+    }
+
+    void add_impulse(Collision<d>& met, const C& k, const Vec<d>& impulse, const Vec<d>& speeds) const {
+        const double sign = k.feature.point_body == met.a ? 1 : -1;
+        for (int i = 0; i < d; i++) met.impulse += (sign * impulse[i]) * axis(k, i);
+        met.energy -= 0.5 * dot(impulse, speeds);
+    }
+
+    /// Adds a point that came together to the collision of its pair, from a first one on. `own`: what
+    /// the body of the point brings to its approach; spins: of that body against the other.
+    void record_impact(const Attempt& A, const C& k, std::size_t first, double when, const Vec<d>& impulse, const Vec<d>& before,
+                       const Vec<d>& after, double own, const Vec<rotations>& spin, const Vec<rotations>& later_spin) {
+        if (!(impulse[0] > 0) || !(before[0] < 0)) return;
+        if (!collision_of(k, first)) {
             collisions.emplace_back();
-            collisions[at].time = when;
-            collisions[at].a = a;
-            collisions[at].b = b;
+            collisions.back().time = when;
+            collisions.back().a = std::min(k.feature.point_body, k.feature.face_body);
+            collisions.back().b = std::max(k.feature.point_body, k.feature.face_body);
         }
-        Collision<d>& met = collisions[at];
-        const double sign = k.feature.point_body == a ? 1 : -1, old = sign * dot(met.impulse, met.normal);
+        Collision<d>& met = *collision_of(k, first);
+        const double sign = k.feature.point_body == met.a ? 1 : -1, old = sign * dot(met.impulse, met.normal);
         const double share = impulse[0] / (impulse[0] + std::fabs(old));
         met.points++;
         met.place = (1 - share) * met.place + share * place_of(A, k);
         met.normal = (1 - share) * met.normal + (share * sign) * axis(k, 0);
+        if (-before[0] > met.approach) met.brought = sign > 0 ? own : -before[0] - own;
         met.approach = std::max(met.approach, -before[0]);
         met.departure = std::max(met.departure, after[0]);
-        for (int i = 0; i < d; i++) met.impulse += (sign * impulse[i]) * axis(k, i);
-        met.energy -= 0.5 * dot(impulse, before + after);
+        met.spin = sign * spin;
+        met.later_spin = sign * later_spin;
+        add_impulse(met, k, impulse, before + after);
     }
 
     /// Notes the contacts that closed in a step which was not cut there.
@@ -1494,7 +1623,12 @@ template <int d> class World {
             if (!(speed > 0.5 * dt * pull)) continue;
             Vec<d> before{};
             before[0] = -speed;
-            record_impact(A, k, first, when, k.impulse, before, {});
+            const int a = k.feature.point_body, b = k.feature.face_body;
+            Vec<rotations> spin, later;
+            later.fill(NAN);  // not before the velocity level
+            for (int i = 0; i < rotations; i++) spin[i] = 0.5 * (A.begun[a][d + i] - (bodies[b].moves() ? A.begun[b][d + i] : 0));
+            const double own = -0.5 * dot(k.rows_a[0], A.begun[a]);
+            record_impact(A, k, first, when, k.impulse, before, {}, own, spin, later);
         }
     }
 

@@ -159,6 +159,12 @@ class Collision:
     """Largest normal velocity of a point before, m/s."""
     departure: float
     """And after."""
+    brought: float
+    """Part of the approach that the first brings."""
+    spin: Array
+    """Angular velocity of the first against the second before, in space, rad/s."""
+    later_spin: Array
+    """And after; nan where the step was not cut at the instant."""
     impulse: Array
     """On the first, N s."""
     energy: float
@@ -167,7 +173,9 @@ class Collision:
     @classmethod
     def read(cls, d: int, row: Array) -> Collision:
         """A collision by the numbers as the library writes them."""
-        when, place, normal, speeds, impulse, energy = np.split(row, np.cumsum([4, d, d, 2, d]))
+        turns = 1 if d == 2 else 3
+        ends = np.cumsum([4, d, d, 3, turns, turns, d])
+        when, place, normal, speeds, spin, later_spin, impulse, energy = np.split(row, ends)
         return cls(
             time=float(when[0]),
             first=int(when[1]),
@@ -177,6 +185,9 @@ class Collision:
             normal=normal,
             approach=float(speeds[0]),
             departure=float(speeds[1]),
+            brought=float(speeds[2]),
+            spin=spin,
+            later_spin=later_spin,
             impulse=impulse,
             energy=float(energy[0]),
         )
@@ -199,6 +210,7 @@ class World:
         new.restype = ctypes.c_void_p
         self._library.world_save.restype = ctypes.c_long
         self._library.world_collisions.restype = ctypes.c_long
+        self._library.world_pairs.restype = ctypes.c_long
         self._handle = ctypes.c_void_p(
             new(dimension, _numbers(gravity), _numbers(scheme), int(velocity_level))
         )
@@ -304,9 +316,25 @@ class World:
     def collisions(self) -> list[Collision]:
         """The collisions since the last call."""
         number, d = self._library.world_collisions(self._handle, None), self._d
-        out = np.empty((number, 7 + 3 * d))
+        out = np.empty((number, 8 + 3 * d + 2 * (1 if d == 2 else 3)))
         self._library.world_collisions(self._handle, _place(out))
         return [Collision.read(d, row) for row in out]
+
+    def tell_pairs(self) -> None:
+        """Tell from here on what pairs of bodies do to one another."""
+        self._library.world_tell_pairs(self._handle)
+
+    def pairs(self) -> Array:
+        """The pairs that have ever touched, after each step of the last run.
+
+        Rows of the number of the step, both bodies (the lower number first), points that touch,
+        normal force and friction on the first (N; d - 1 numbers), gap (m), what the first has
+        slipped over the second (m; d - 1 numbers), place (m), normal from the second to the first.
+        """
+        number, width = self._library.world_pairs(self._handle, None), 4 + 4 * self._d
+        out = np.empty((number // width, width))
+        self._library.world_pairs(self._handle, _place(out))
+        return out
 
     def counts(self) -> dict[str, float]:
         """The counts that the library keeps, by their names."""

@@ -8,6 +8,7 @@ from enum import Enum
 
 import numpy as np
 
+from solver.history.pairs import force_on_first
 from solver.results.motion import boxes, lost_carrier
 from solver.results.runs import Run
 from solver.scene import BlockSpec
@@ -67,6 +68,42 @@ def block_frames(run: Run, block: BlockSpec, times: Array) -> BlockFrames:
     )
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PairFrames:
+    """The force between two neighbours over the frames of a film."""
+
+    force: Array
+    """On the first, over the smaller of their weights, the mean since the frame before, (n, d)."""
+    place: Array
+    """Where they press, m, (n, d)."""
+    states: list[State]
+    """States of the contact, (n,)."""
+
+
+def pair_frames(run: Run, times: Array) -> list[PairFrames]:
+    """Neighbours that have touched, where the run has told what pairs do, at times, s."""
+    masses = {block.name: block.shape.mass for block in run.scene.blocks}
+    found = []
+    for (one, other), known in run.neighbours().items():
+        weight = min(masses[one], masses[other]) * run.scene.gravity or 1.0
+        time = np.concatenate([[known["time_s"][0] - 1e-9], known["time_s"]])
+        force = np.concatenate([np.zeros((1, run.scene.dimension)), force_on_first(known)])
+        means = [_means(time, part, times) / weight for part in force.T]
+        before = times < known["time_s"][0]
+        mean = np.where(before[:, None], 0.0, np.stack(means, axis=1))
+        axes = "xyz"[: run.scene.dimension]
+        place = np.stack([np.interp(times, known["time_s"], known[f"{a}_m"]) for a in axes], axis=1)
+        slips = [known[key] for key in ("slip_m", "slip_second_m") if key in known]
+        moved = np.diff([np.interp(times, known["time_s"], slip) for slip in slips], prepend=0.0)
+        moved = np.linalg.norm(moved, axis=0)
+        spacing = times[1] - times[0] if len(times) > 1 else 1.0
+        height = min(b.height for b in run.scene.blocks if b.name in (one, other))
+        fast = AT_REST * math.sqrt(run.scene.gravity * height) * spacing
+        states = [State.SLIPS if way > fast else State.STICKS for way in moved]
+        found.append(PairFrames(force=mean, place=place, states=states))
+    return found
+
+
 def block_poses(run: Run, block: BlockSpec, times: Array) -> tuple[Array, Array]:
     """Centre of mass, m, (n, d), and axes as columns, (n, d, d), of a block at some times, s."""
     time, box = run.history["time_s"], boxes(run.history, block)
@@ -121,10 +158,10 @@ def _means(time: Array, values: Array, times: Array) -> Array:
 
 
 def _foot(centres: Array, frames: Array, half: Array, up: Array) -> Array:
-    """Lowest point of the bottom over the carrier: a corner, or between those that share."""
+    """Lowest point over the carrier: a corner, or between those that share, also of a side."""
     dimension = len(half)
-    signs = np.array(np.meshgrid(*[[-1.0, 1.0]] * (dimension - 1))).reshape(dimension - 1, -1).T
-    corners = np.concatenate([signs, -np.ones((len(signs), 1))], axis=1) * half
+    signs = np.array(np.meshgrid(*[[-1.0, 1.0]] * dimension)).reshape(dimension, -1).T
+    corners = signs * half
     placed = centres[:, None] + np.einsum("nij,kj->nki", frames, corners)
     height = np.einsum("nki,ni->nk", placed, up)
     height -= height.min(axis=1, keepdims=True)

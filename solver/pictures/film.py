@@ -12,7 +12,7 @@ import numpy as np
 
 from solver.errors import SceneError
 from solver.fields.ground import floor_level
-from solver.pictures.contact import BlockFrames, State, block_frames, interpolated
+from solver.pictures.contact import BlockFrames, State, block_frames, interpolated, pair_frames
 from solver.pictures.encode import encoder_for
 from solver.pictures.ground import add_ground
 from solver.pictures.meshes import Bodies, bodies_of
@@ -193,6 +193,7 @@ class Shot:
         scene, history = run.scene, run.history
         self.run, self.times, self.floor = run, times, floor_level(scene)
         self._blocks = {block.name: block_frames(run, block, times) for block in scene.blocks}
+        self._pairs = pair_frames(run, times)
         drift = np.zeros((len(times), scene.dimension))
         for axis, name in enumerate(("platform.drift_m", "platform.drift_second_m")):
             if name in history and axis < scene.dimension - 1:
@@ -212,14 +213,15 @@ class Shot:
             (surface, BODY[blocks[name].states[frame]] if name in blocks else PLATFORM)
             for name, surface in zip(self.bodies.names, self.bodies.at(frame), strict=True)
         ]
-        for block in blocks.values():
-            force = block.force[frame]
+        pushes = [(b.force[frame], b.foot[frame], b.states[frame]) for b in blocks.values()]
+        pushes += [(p.force[frame], p.place[frame], p.states[frame]) for p in self._pairs]
+        for force, place, state in pushes:
             length = float(np.linalg.norm(force))
             if length >= SHORTEST_ARROW:
-                start = in_space(block.foot[frame])
+                start = in_space(place)
                 start[2] += 0.01 * (len(force) == 2)  # before the plane
                 drawn = self._unit * min(length, LONGEST)
-                hue = FORCE[block.states[frame]]
+                hue = FORCE[state]
                 arrows.append((arrow(start, force, drawn, unit=self._unit), hue))
         return renderer.draw(bodies, arrows, self._ground[frame])
 

@@ -27,6 +27,7 @@ from solver.results.moving import moving_span
 from solver.results.runs import Run
 from solver.scene import BlockSpec
 from solver.scene.motion import G_UNIT
+from solver.types import Array
 
 Floats = NDArray[np.floating[Any]]
 
@@ -34,15 +35,25 @@ Floats = NDArray[np.floating[Any]]
 LEAST_LENGTH = 0.1
 
 
+#: Pairs of neighbours of which forces are drawn, at most: those that press most.
+MOST_PAIRS = 6
+
+
 def draw_forces(run: Run) -> Figure:
-    """Forces on each block from what carries it, over the weight there, and the slips."""
-    blocks = run.scene.blocks
-    figure = new_figure(1.4 + 1.4 * (len(blocks) + 1))
-    *panels, below = figure.subplots(len(blocks) + 1, 1, sharex=True)
-    for axes, block in zip(panels, blocks, strict=True):
+    """Forces on each block from what it stands on, over the weight there, and the slips.
+
+    Where the run has told what pairs of bodies do, also those between neighbours.
+    """
+    blocks, pairs = run.scene.blocks, _neighbours(run)
+    count = len(blocks) + len(pairs) + 1
+    figure = new_figure(1.4 + 1.4 * count)
+    *panels, below = figure.subplots(count, 1, sharex=True)
+    for axes, block in zip(panels, blocks, strict=False):
         _add_forces(axes, run, block)
         if len(blocks) > 1:
             axes.set_title(block.name, loc="left")
+    for axes, (names, known) in zip(panels[len(blocks) :], pairs, strict=True):
+        _add_neighbours(axes, run, names, known)
     _add_slips(below, run)
     below.set(xlabel="time (s)", xlim=moving_span(run.scene, run.history))
     figure.align_ylabels()
@@ -69,6 +80,31 @@ def _add_forces(axes: Axes, run: Run, block: BlockSpec) -> None:
     axes.set_ylabel(f"force / weight{cut}" if weight else "force (N)")
     if weight:
         axes.axhline(1, color=GREY, linewidth=0.5, linestyle=":", zorder=0)
+    zero_line(axes)
+
+
+def _neighbours(run: Run) -> list[tuple[tuple[str, str], dict[str, Array]]]:
+    """Blocks of which neither carries the other with what they did, those that press most first."""
+    found = list(run.neighbours().items())
+    found.sort(key=lambda entry: float(np.sum(entry[1]["normal_N"])), reverse=True)
+    return found[:MOST_PAIRS]
+
+
+def _add_neighbours(axes: Axes, run: Run, names: tuple[str, str], known: dict[str, Array]) -> None:
+    """Normal force and friction between two blocks, over the smaller of their weights."""
+    masses = [block.shape.mass for block in run.scene.blocks if block.name in names]
+    weight = min(masses) * run.scene.gravity
+    normal = known["normal_N"] / (weight or 1.0)
+    friction = known["friction_N"] / (weight or 1.0)
+    axes.plot(known["time_s"], normal, color=BLUE, linewidth=0.8)
+    axes.plot(known["time_s"], friction, color=RED, linewidth=0.8)
+    if "friction_second_N" in known:
+        second = known["friction_second_N"] / (weight or 1.0)
+        axes.plot(known["time_s"], second, color=ORANGE, linewidth=0.8)
+        friction = np.concatenate([friction, second])
+    cut = _cut_impacts(axes, normal, friction) if weight else ""
+    axes.set_ylabel(f"force / weight{cut}" if weight else "force (N)")
+    axes.set_title(f"between {names[0]} and {names[1]}", loc="left")
     zero_line(axes)
 
 

@@ -25,7 +25,7 @@ from solver.pictures.html import (
 from solver.pictures.pictures import picture_run
 from solver.results.endings import cut_short
 from solver.results.moving import moving_span
-from solver.results.report import CAUSES, overlap_lines, residual_slip
+from solver.results.report import CAUSES, residual_slip, told_lines
 from solver.results.runs import Run
 from solver.run.describe import describe
 from solver.scene import scene_to_toml
@@ -62,7 +62,7 @@ def run_page(run: Run, folder: Path, *, filmed: bool) -> str:
     parts = [
         *paragraphs([f"The run {early}."] if (early := cut_short(summary)) else []),
         *paragraphs([_status(summary)]),
-        *cautions([*summary.get("cautions", []), *overlap_lines(summary)]),
+        *cautions([*summary.get("cautions", []), *told_lines(summary)]),
         heading("Summary"),
         table(_blocks(run)),
         *_platform(summary),

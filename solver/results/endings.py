@@ -3,14 +3,15 @@
 A block has overturned where it leans, against upright, beyond the angle from which it does not come
 back (`rocking.no_return`). It has fallen where it moves down and either all of it is below the
 plane of the top of what carried it, or all of it is beside that top and some of it below: nothing
-holds it any more. Where rigid blocks with a restitution stand on a plate, their engine takes it for
-the ground, and a run ends where a corner touches that beyond its edge. All are found from the
-columns of a history, in the same way for all engines.
+holds it any more. Where several carried it, it is off all of them. Where rigid blocks with a
+restitution stand on a plate, their engine takes it for the ground, and a run ends where a corner
+touches that beyond its edge. All are found from the columns of a history, in the same way for all
+engines.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
@@ -163,18 +164,19 @@ def fallen(scene: Scene, history: Columns, block: BlockSpec) -> Mask:
     falls = np.diff(level, prepend=level[:1]) < 0
     if not falls.any():
         return falls
-    carrier, half = _carrier(scene, history, block)
-    inwards = np.swapaxes(carrier.frames, 1, 2)
-    place = np.einsum("nij,nj->ni", inwards, middle - carrier.centres)
-    aside, height = np.abs(place[:, :-1]), place[:, -1]
-    # Only where its centre is off the top, too.
-    falls &= (height < 0) | (aside > half).any(axis=1)
-    if not falls.any():
-        return falls
-    reach = boxes(history, block).reach(inwards)
-    below = height + reach[:, -1] <= 0
-    beside = (aside - reach[:, :-1] >= half).any(axis=1) & (height < reach[:, -1])
-    return np.asarray(falls & (below | beside))
+    for carrier, half in _carriers(scene, history, block):
+        inwards = np.swapaxes(carrier.frames, 1, 2)
+        place = np.einsum("nij,nj->ni", inwards, middle - carrier.centres)
+        aside, height = np.abs(place[:, :-1]), place[:, -1]
+        # Only where its centre is off the top, too.
+        falls &= (height < 0) | (aside > half).any(axis=1)
+        if not falls.any():
+            return falls
+        reach = boxes(history, block).reach(inwards)
+        below = height + reach[:, -1] <= 0
+        beside = (aside - reach[:, :-1] >= half).any(axis=1) & (height < reach[:, -1])
+        falls &= below | beside
+    return np.asarray(falls)
 
 
 def has_ends(scene: Scene, block: BlockSpec) -> bool:
@@ -182,13 +184,15 @@ def has_ends(scene: Scene, block: BlockSpec) -> bool:
     return scene.carrier_of(block) is not None or scene.foundation.top is not None
 
 
-def _carrier(scene: Scene, history: Columns, block: BlockSpec) -> tuple[Boxes, Array]:
-    """Middle and axes of the top of what carries a block, over the rows, and half its lengths."""
-    carrier, dimension = scene.carrier_of(block), scene.dimension
-    if carrier is not None:
+def _carriers(scene: Scene, history: Columns, block: BlockSpec) -> Iterator[tuple[Boxes, Array]]:
+    """Of each top that carries a block: middle and axes over the rows, and half its lengths."""
+    dimension = scene.dimension
+    for carrier in scene.carriers_of(block):
         below = boxes(history, carrier)
         top = below.centres + below.half[-1] * below.frames[:, :, -1]
-        return Boxes(half=below.half, centres=top, frames=below.frames), below.half[:-1]
+        yield Boxes(half=below.half, centres=top, frames=below.frames), below.half[:-1]
+    if scene.carrier_of(block) is not None:
+        return
     assert scene.foundation.top is not None
     half = np.array(scene.foundation.top[: dimension - 1]) / 2
     top = np.zeros_like(centres(history, block.name))
@@ -196,4 +200,4 @@ def _carrier(scene: Scene, history: Columns, block: BlockSpec) -> tuple[Boxes, A
         if f"platform.drift{way}_m" in history:
             top[:, axis] = history[f"platform.drift{way}_m"]
     frames = np.broadcast_to(np.eye(dimension), (len(top), dimension, dimension))
-    return Boxes(half=np.append(half, 0.0), centres=top, frames=frames), half
+    yield Boxes(half=np.append(half, 0.0), centres=top, frames=frames), half

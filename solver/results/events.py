@@ -4,8 +4,12 @@
 of zero (`solver.results.rocking`). An impact ends a swing. Angular velocities before and after it
 are those of the block as a rigid body against what carries it.
 
+**Collisions** are all other meetings that the engine tells of, if the bodies come together faster
+than a block falls by as little as counts as a lift.
+
 Where neither the block nor what carries it deforms an impact takes no time: they are the slopes of
-theta in the steps on both sides, extrapolated to the instant.
+theta in the steps on both sides, extrapolated to the instant; where the engine tells at which
+instant two bodies meet, they are those that it has there.
 
 Where something deforms, an impact lasts from the first touch of the edge that lands to the step in
 which the edge that leaves is off and the normal force is back to the weight. Its angular velocities
@@ -34,7 +38,9 @@ at both ends.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import fields, replace
+from functools import reduce
 from itertools import zip_longest
 from typing import Any, NamedTuple
 
@@ -42,11 +48,12 @@ import numpy as np
 
 from geometry.block import Block
 from solver.history.columns import Rows
-from solver.history.events import Event
+from solver.history.events import Event, Meeting
 from solver.history.history import History
 from solver.results.endings import beyond_return, fallen, has_ends
 from solver.results.motion import (
     CLEAR,
+    SMALLEST_LIFT,
     Columns,
     centres,
     flights,
@@ -58,6 +65,7 @@ from solver.results.motion import (
 )
 from solver.results.rocking import Swing, begins, end_of, swings
 from solver.scene import BlockSpec, Scene
+from solver.scene.laws import GROUND
 from solver.types import Array, Indices
 
 CHUNK = 2048
@@ -98,6 +106,12 @@ LARGEST_HOP = 0.15
 of their energy in it no ratio of rotations is a restitution. Elastic blocks of H/B 3 hop by 0.08
 on firm ground and by 0.11 on a plate like themselves, of H/B 2 by 0.2, cubes by 0.5."""
 
+LEAST_KEPT = 0.1
+"""Part of the least speed of a collision with which one may still end a swing that counts."""
+
+UPWARDS = 0.5
+"""Upward component of the normal with which a body is below the other."""
+
 HOPS = "it hops"
 ROLLS = "it rolls over its corners"
 FASTER = "faster than before: something else gave it energy"
@@ -133,6 +147,8 @@ class _Motion(NamedTuple):
     """Centre of the block that carries it, or drift of the platform, (rows, 2), m."""
     below_turn: Array
     """Angle of what carries it, rad."""
+    along: Array
+    """Horizontal unit vector of the plane, (1,) or, in 3-D, (2,)."""
 
 
 class Recorder:
@@ -146,30 +162,37 @@ class Recorder:
         self._first = {block.name: 0 for block in scene.blocks}
         self._noted: dict[str, dict[str, float]] = {block.name: {} for block in scene.blocks}
         self._found: list[Event] = []
-        self._firm = {b.name: rigid or _firm(scene, b) for b in scene.blocks}
+        self._firm = {b.name: rigid or scene.is_rigid or _firm(scene, b) for b in scene.blocks}
+        self._met = _Meetings(scene)
 
     @property
     def events(self) -> tuple[Event, ...]:
         """The events so far, by their times."""
-        return tuple(sorted(self._found, key=lambda event: event.time_s))
+        return tuple(sorted(self._found, key=lambda e: (e.time_s, e.block, e.kind, e.meets)))
 
     def saved(self) -> dict[str, Any]:
         """Data to go on from, for `resume`; events in the order in which they were found."""
         rows = np.concatenate(self._rows) if self._rows else None
         texts = [[getattr(e, name) for name in e.__dataclass_fields__] for e in self._found]
         noted = {name: dict(known) for name, known in self._noted.items()}
-        return {"rows": rows, "first": dict(self._first), "noted": noted, "found": texts}
+        met = self._met.saved()
+        return {
+            **{"rows": rows, "first": dict(self._first), "noted": noted, "found": texts},
+            "met": met,
+        }
 
     def resume(self, saved: dict[str, Any]) -> None:
         """Go on from where another recorder of the scene was saved."""
         self._rows = [] if saved["rows"] is None else [saved["rows"]]
         self._count = sum(map(len, self._rows))
         self._first, self._noted = saved["first"], saved["noted"]
+        self._met.resume(saved["met"])
         names = Event.__dataclass_fields__
         self._found = [Event(**dict(zip(names, values, strict=True))) for values in saved["found"]]
 
-    def add(self, rows: Array) -> None:
-        """The rows of steps that were taken, (n, columns)."""
+    def add(self, rows: Array, met: Iterable[Meeting] = ()) -> None:
+        """The rows of steps that were taken, (n, columns), and who met in them."""
+        self._met.add(met)
         while len(rows):
             room = max(1, CHUNK - self._count % CHUNK)
             self._rows.append(rows[:room].copy())
@@ -190,11 +213,15 @@ class Recorder:
         for block in self._scene.blocks:
             first = self._first[block.name]
             rows = Rows(self._names, table[first:])
-            search = _Search(self._scene, block, rows, self._noted[block.name])
+            search = _Search(self._scene, block, rows, self._noted[block.name], self._met)
             self._found += search.run(firm=self._firm[block.name], ends=ends)
             self._first[block.name] = max(first + search.needed, len(table) - MOST_ROWS)
         if ends:
+            self._found += self._met.collisions({})
             return
+        time = table[:, self._names.index("time_s")]
+        searched = {name: time[max(row - 2 * FIT_STEPS, 0)] for name, row in self._first.items()}
+        self._found += self._met.collisions(searched)
         # A whole number of chunks goes, so that the next search begins where it would have begun.
         gone = min(self._first.values()) // CHUNK * CHUNK
         self._rows, self._count = [table[gone:]], len(table) - gone
@@ -218,12 +245,112 @@ def _firm(scene: Scene, block: BlockSpec) -> bool:
     return not scene.foundation.is_meshed if carrier is None else _firm(scene, carrier)
 
 
+class _Meetings:
+    """Meetings of bodies that no event tells of so far."""
+
+    def __init__(self, scene: Scene):
+        """Begin with none."""
+        self._gravity = scene.gravity
+        self._widths = {block.name: block.width for block in scene.blocks}
+        self._waiting: list[Meeting] = []
+        self._taken: set[Meeting] = set()
+
+    def saved(self) -> dict[str, Any]:
+        """Those that wait, in the types of a checkpoint."""
+        rows = [[getattr(met, f.name) for f in fields(Meeting)] for met in self._waiting]
+        return {"rows": rows, "taken": [met in self._taken for met in self._waiting]}
+
+    def resume(self, saved: dict[str, Any]) -> None:
+        """Go on with those that waited."""
+        names = [field.name for field in fields(Meeting)]
+        self._waiting = [Meeting(**dict(zip(names, row, strict=True))) for row in saved["rows"]]
+        waiting = zip(self._waiting, saved["taken"], strict=True)
+        self._taken = {met for met, taken in waiting if taken}
+
+    def add(self, met: Iterable[Meeting]) -> None:
+        """Take in those that may matter."""
+        self._waiting += [m for m in met if m.approach_m_s >= LEAST_KEPT * self._least_speed(m)]
+
+    def _least_speed(self, met: Meeting) -> float:
+        """Speed of a fall by as little as counts as a lift of the narrower of two blocks, m/s."""
+        widths = [self._widths[n] for n in (met.first, met.second) if n in self._widths]
+        return math.sqrt(2 * self._gravity * SMALLEST_LIFT * min(widths))
+
+    def take(self, block: BlockSpec, time: float, begin: float, end: float) -> Meeting | None:
+        """That of a block with what is below it nearest to a time, between two others, s.
+
+        All with the same body from the beginning to the end are one. It is an event from here on.
+        """
+        found = [
+            m
+            for m in self._waiting
+            if begin < m.time_s <= end
+            and block.name in (m.first, m.second)
+            and self._is_above(block, m)
+            and m not in self._taken
+        ]
+        if not found:
+            return None
+        nearest = min(found, key=lambda m: abs(m.time_s - time))
+        same = [m for m in found if (m.first, m.second) == (nearest.first, nearest.second)]
+        self._taken.update(same)
+        return reduce(Meeting.joined, same)
+
+    @staticmethod
+    def _is_above(block: BlockSpec, met: Meeting) -> bool:
+        """True if a block meets what carries it, or any body from above."""
+        other, up = (met.second, met.up) if met.first == block.name else (met.first, -met.up)
+        return other in block.carriers or up > UPWARDS
+
+    def collisions(self, searched: dict[str, float]) -> Iterator[Event]:
+        """Those that are no other event up to the times to which blocks were searched, s."""
+        waiting = []
+        for met in self._waiting:
+            names = (met.first, met.second)
+            if met.time_s >= min((searched[n] for n in names if n in searched), default=math.inf):
+                waiting.append(met)
+                continue
+            if met not in self._taken and met.approach_m_s >= self._least_speed(met):
+                yield _collision(met)
+        self._waiting = waiting
+        self._taken &= set(waiting)
+
+
+def _collision(met: Meeting) -> Event:
+    """The event of two bodies that meet: the faster one strikes the other."""
+    first, second = met.first, met.second
+    strikes = 2 * met.brought_m_s >= met.approach_m_s
+    if second == GROUND or (first != GROUND and strikes):
+        striking, struck = first, second
+    else:
+        striking, struck = second, first
+    return Event(
+        time_s=met.time_s,
+        kind="collision",
+        block=striking,
+        meets=struck,
+        velocity_before_m_s=-met.approach_m_s,
+        velocity_after_m_s=met.departure_m_s,
+        impulse_Ns=met.impulse_Ns,
+        energy_lost_J=met.energy_lost_J,
+        impulse_tangential_Ns=met.impulse_tangential_Ns,
+    )
+
+
 class _Search:
     """The search for the events of one block in some rows."""
 
-    def __init__(self, scene: Scene, block: BlockSpec, rows: Columns, noted: dict[str, float]):
+    def __init__(
+        self,
+        scene: Scene,
+        block: BlockSpec,
+        rows: Columns,
+        noted: dict[str, float],
+        met: _Meetings,
+    ):
         """Rows that begin at rest, with a swing or right after an impact; `noted` is changed."""
         self._scene, self._block, self._rows, self._noted = scene, block, rows, noted
+        self._met = met
         self._carrier = scene.carrier_of(block)
         self.needed = max(0, len(rows["time_s"]) - 2 * FIT_STEPS)
         """First row that the next search needs."""
@@ -284,7 +411,9 @@ class _Search:
                 yield self._beside(m.time[first], "flight", every, low, after=first - 1)
             if not off[lands] and self._once("landing", m.time[lands]):
                 down = np.flatnonzero(m.gaps[lands] <= tiny)
-                yield self._beside(m.time[lands], "landing", down, low, lands - 2, lands + 1)
+                found = self._beside(m.time[lands], "landing", down, low, lands - 2, lands + 1)
+                met = self._meeting(float(m.time[lands]), max(lands - 1, 0))
+                yield found if met is None else self._exact(found, met)
 
     def _beside(
         self,
@@ -356,8 +485,9 @@ class _Search:
         lands = self._lifted(swing.first + int(np.argmax(np.abs(m.angle[rows]))))
         later = -side if after is None else (1.0 if after.peak_rad > 0 else -1.0)
         last = len(m.time) - 1 if after is None else after.last
+        met = self._meeting(span.time, span.row) if firm else None
         if firm:
-            read = self._rates(span, last)
+            read = self._rates(span, last, met)
         else:
             read = self._momenta(swing, after, span, (side, later), lands)
         (before, kept), n, r = read.velocities, span.row, read.end
@@ -366,7 +496,7 @@ class _Search:
         if not reason and not ratio <= LARGEST_RESTITUTION:
             reason = ENDS if math.isnan(ratio) else FASTER
         height, weight = m.gaps[:, lands].mean(axis=1), self._weight[n + 1 : r + 1]
-        return self._event(
+        found = self._event(
             span.time,
             "impact",
             where=self._named(lands),
@@ -379,6 +509,48 @@ class _Search:
             restitution=math.nan if reason == ROLLS else ratio,
             reason=reason,
         )
+        return found if met is None else self._exact(found, met)
+
+    def _meeting(self, time: float, row: int) -> Meeting | None:
+        """The meeting with what is below it in the step after a row, or in those beside it."""
+        steps, last = self._motion.time, len(self._motion.time) - 1
+        for aside in (0, 1):
+            ends = steps[max(row - aside, 0)], steps[min(row + 1 + aside, last)]
+            # Times of rows and of meetings have round-off of their own.
+            tiny = 1e-9 * (ends[1] - ends[0])
+            begin = ends[0] + (tiny if row else -tiny)
+            met = self._met.take(self._block, time, begin, ends[1] + tiny)
+            if met is not None:
+                return met
+        return None
+
+    def _exact(self, event: Event, met: Meeting) -> Event:
+        """An event at the instant and with the velocities and impulses that the engine has."""
+        known: dict[str, Any] = {}
+        for when, spin in (("before", met.spin_rad_s), ("after", met.later_spin_rad_s)):
+            name = f"angular_velocity_{when}_rad_s"
+            known[name] = self._turning(met, spin)
+            if math.isnan(known[name]):
+                known[name] = getattr(event, name)
+        return replace(
+            event,
+            time_s=met.time_s,
+            meets=met.second if met.first == self._block.name else met.first,
+            velocity_before_m_s=-met.approach_m_s,
+            velocity_after_m_s=met.departure_m_s,
+            impulse_Ns=met.impulse_Ns,
+            energy_lost_J=met.energy_lost_J,
+            impulse_tangential_Ns=met.impulse_tangential_Ns,
+            **known,
+        )
+
+    def _turning(self, met: Meeting, spin: tuple[float, ...]) -> float:
+        """Angular velocity of the block in its plane against what it meets, rad/s."""
+        sign = 1.0 if met.first == self._block.name else -1.0
+        if len(spin) == 1:
+            return -sign * spin[0]
+        x, y = self._motion.along
+        return float(sign * (x * spin[1] - y * spin[0]))
 
     def _reason(self, before: Swing, after: Swing | None) -> str:
         """Reason why no ratio of rotations is a restitution by the swings beside it; or ""."""
@@ -393,8 +565,11 @@ class _Search:
         hop = np.max(m.gaps.min(axis=1)[beside], initial=0.0)
         return HOPS if hop > LARGEST_HOP * m.shape.half_diagonal * max(rises) else ""
 
-    def _rates(self, span: _Span, last: int) -> _Read:
-        """The slopes of the angle beside an impact that takes no time."""
+    def _rates(self, span: _Span, last: int, met: Meeting | None) -> _Read:
+        """The angular velocities of a meeting, or the slopes of the angle beside the impact."""
+        if met is not None and not math.isnan(sum(met.later_spin_rad_s)):
+            exact = self._turning(met, met.spin_rad_s), self._turning(met, met.later_spin_rad_s)
+            return _Read(exact, span.row, "")
         m, n, end = self._motion, span.row, min(span.row + 2, len(self._motion.time) - 1)
         pushes = m.normal > IMPACT_FORCE * self._weight
         while end < last and self._weight[end] > 0 and pushes[end]:
@@ -578,4 +753,5 @@ def _motion(scene: Scene, block: BlockSpec, rows: Columns, carrier: BlockSpec | 
         pull=pull,
         below=below,
         below_turn=below_turn,
+        along=along,
     )

@@ -7,6 +7,7 @@ there is the angle of two dimensions, and the width of its base across that plan
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
@@ -122,7 +123,7 @@ def block_motion(scene: Scene, history: History, block: BlockSpec) -> BlockMotio
         lift=corners.max(axis=1),
         low=corners.min(axis=1),
         shape=leans.shape,
-        fell=_fell(history, block, carrier),
+        fell=_fell(history, block, scene.carriers_of(block)),
         aside=leans.aside,
     )
 
@@ -334,15 +335,20 @@ def _shape_across(shape: Block, direction: Array) -> Block:
     return Block(width=width, height=shape.height, thickness=area / width, density=shape.density)
 
 
-def _fell(history: History, block: BlockSpec, carrier: BlockSpec | None) -> bool:
-    """True if the centre of a block ends below the surface that it stood on.
+def _fell(history: History, block: BlockSpec, carriers: Sequence[BlockSpec]) -> bool:
+    """True if the centre of a block ends below the surface that it stood on, or all of them.
 
     That of the foundation is at level 0. That of a block is its top; a block that lies beside an
     overturned carrier is above the plane of that top, but not above its centre.
     """
     centre = centres(history, block.name)[-1]
-    if carrier is None:
+    if not carriers:
         return bool(centre[-1] < 0)
+    return all(_is_below(history, centre, carrier) for carrier in carriers)
+
+
+def _is_below(history: History, centre: Array, carrier: BlockSpec) -> bool:
+    """True if a place is below the top of a block at the end, or below its centre."""
     above = centre - centres(history, carrier.name)[-1]
     if is_spatial(history, carrier.name):
         normal = upright_axes(history, carrier.name)[-1]

@@ -10,6 +10,7 @@ from typing import Any
 from solver.results.cautions import loss_shares
 from solver.results.endings import cut_short
 from solver.results.events import ENDS
+from solver.results.meetings import meeting_lines
 
 UNKNOWN = "unknown"
 """Text in the place of a number that is not known."""
@@ -46,7 +47,7 @@ def report(summary: Mapping[str, Any]) -> str:
     if "wall_s" in summary["cost"]:
         lines.append(_cost(summary["cost"]))
     lines += [f"caution: {text}" for text in summary.get("cautions", [])]
-    lines += overlap_lines(summary)
+    lines += told_lines(summary)
     return "\n".join(lines) + "\n"
 
 
@@ -138,11 +139,12 @@ def _losses(loss: Mapping[str, float]) -> str:
     return f"lost {_number(sum(loss.values()))} J: {', '.join(parts)}"
 
 
-def overlap_lines(summary: Mapping[str, Any]) -> list[str]:
-    """A line for each two blocks that came to overlap."""
-    return [
+def told_lines(summary: Mapping[str, Any]) -> list[str]:
+    """How bodies met, the chain of collapse, and blocks that came to overlap, a line each."""
+    return meeting_lines(summary) + [
         f"{' and '.join(found['blocks'])} overlap from t = {found['time_s']:.6g} s on, by up to "
-        f"{found['depth_m']:.3g} m: neither carries the other, so they do not feel each other"
+        f"{found['depth_m']:.3g} m: neither carries the other, and where a body is meshed such "
+        "blocks do not feel each other"
         for found in summary.get("overlaps", [])
     ]
 

@@ -10,8 +10,11 @@ from typing import Any
 
 from solver.errors import SceneError, Statement, hidden_by_in_env
 from solver.history.history import History, scene_columns
+from solver.history.pairs import NAME as PAIRS
+from solver.history.pairs import read_pairs
 from solver.results.summary import summarise
 from solver.scene import Scene, parse_scene, read_text
+from solver.types import Array
 
 UNFINISHED = "unfinished"
 """Status of a run that left no summary."""
@@ -34,6 +37,23 @@ class Run:
         """The file of the fields, if there are any."""
         files = (self.folder / name for name in FIELDS)
         return next((file for file in files if file.is_file()), None)
+
+    def pairs(self) -> dict[tuple[str, str], dict[str, Array]]:
+        """The columns of pairs.csv by pairs of names; none where the run did not write it."""
+        file = self.folder / PAIRS
+        return read_pairs(file) if file.is_file() else {}
+
+    def neighbours(self) -> dict[tuple[str, str], dict[str, Array]]:
+        """The same for blocks of which neither carries the other."""
+        carriers = {block.name: block.carriers for block in self.scene.blocks}
+        return {
+            (one, other): known
+            for (one, other), known in self.pairs().items()
+            if one in carriers
+            and other in carriers
+            and one not in carriers[other]
+            and other not in carriers[one]
+        }
 
     @property
     def label(self) -> str:

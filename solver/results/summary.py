@@ -27,7 +27,8 @@ from solver.results.effective_mass import friction_mass_ratio
 from solver.results.endings import fell_at, motion_end, overturned_at
 from solver.results.events import recorded
 from solver.results.flutter import cautions_of_flutter
-from solver.results.motion import block_motion, lean_over_alpha, mode
+from solver.results.meetings import Contacts, meetings
+from solver.results.motion import CLEAR, block_motion, lean_over_alpha, mode
 from solver.results.overlaps import overlaps
 from solver.scene import BlockSpec, Scene
 
@@ -46,13 +47,14 @@ def summarise(
     model: str = "",
     cautions: Sequence[str] = (),
     ground: GroundMotion | None = None,
+    contacts: Contacts | None = None,
 ) -> dict[str, Any]:
     """The content of summary.json: what was run, what came of it, how and with which programs.
 
     The status is "completed", "not converged" or "interrupted", the cost seconds, steps,
     iterations, unknowns and ranks by name. The model is what the history comes from, as pictures
     name it; empty: what the scene says. The cautions are those that were known before. The ground
-    tells when its motion is over.
+    tells when its motion is over. The contacts are those that the engine keeps account of.
     """
     events = recorded(scene, history) if len(history) else ()
     blocks = {b.name: _block(b, scene, history, events) for b in scene.blocks if len(history)}
@@ -72,9 +74,10 @@ def summarise(
         "reason": reason,
         "end_s": float(history["time_s"][-1]) if len(history) else 0.0,
         **({"motion_end_s": motion_end(ground)} if ground is not None and ground.moves else {}),
+        **(meetings(scene, history, events, contacts) if len(history) else {}),
         "versions": dict(versions),
         "blocks": blocks,
-        "overlaps": overlaps(scene, history) if len(history) else [],
+        "overlaps": overlaps(scene, history) if len(history) and not scene.is_rigid else [],
         **({"platform": platform} if platform else {}),
         "energy": balance,
         "cautions": [*cautions, *found],
@@ -119,7 +122,8 @@ def _block(
         known["residual_displacement_second_m"] = float(motion.displacement[-1, 1])
         known["peak_turn_rad"] = float(np.max(np.abs(motion.turn)))
         known["residual_turn_rad"] = float(motion.turn[-1])
-    if "platform.acceleration_m_s2" in history and scene.carrier_of(block) is None:
+    on_ground = scene.carrier_of(block) is None and float(motion.low[0]) <= CLEAR * block.width
+    if "platform.acceleration_m_s2" in history and on_ground:
         known["friction_mass_ratio"] = friction_mass_ratio(block, scene, history)
     return known | {
         "impacts": [_impact(e) for e in events if (e.kind, e.block) == ("impact", block.name)],

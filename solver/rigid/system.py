@@ -15,6 +15,7 @@ import numpy as np
 from geometry.arrangement import Pose
 from geometry.block import Block
 from solver.history.columns import check_filled, columns, positions, row_layout
+from solver.history.events import Meeting
 from solver.kernels.world import Body, Mobility, Steps, World
 from solver.rigid.rows import (
     BlockRows,
@@ -136,6 +137,12 @@ class Advance:
     """Solutions that failed and were tried again with smaller steps."""
     failure: str | None
     """When and why it stopped early, or None."""
+    met: Sequence[Meeting]
+    """Bodies that met in these steps, by their times."""
+    pairs: Array
+    """What pairs of bodies did to one another (`World.pairs`); empty unless they are told."""
+    unsettled: int
+    """Steps that were taken though no solution met the tolerance."""
 
 
 class RigidSystem:
@@ -153,6 +160,7 @@ class RigidSystem:
         platform: RigidPlatform | None = None,
         velocity_solve: bool = True,
         law_between: LawBetween | None = None,
+        tells_pairs: bool = False,
     ):
         """Start at t = 0; without `gravity`, in m/s2, it is 9.81 downwards.
 
@@ -164,6 +172,7 @@ class RigidSystem:
             velocity_solve: True if contact is also solved at velocity level after each step.
             law_between: Friction and restitution of two bodies by name; default: those of the
                 upper block, and of the block named later where none carries the other.
+            tells_pairs: True if it is told what pairs of bodies do to one another.
         """
         self.dimension = d = len(blocks[0].pose.place)
         self.names = tuple(block.name for block in blocks)
@@ -186,11 +195,16 @@ class RigidSystem:
         carriers = [[numbers[name] for name in block.carriers] for block in blocks]
         laws, law_of = _laws_of(blocks, law_between or _upper_law(blocks))
         self._world.begin(laws, law_of, [*carriers, []])
+        if tells_pairs:
+            self._world.tell_pairs()
+        self._tells_pairs = tells_pairs
         half = np.array([block.shape.half_lengths(d) for block in blocks])
         self._written = BlockRows(half, [each[0] for each in carriers])
         self._before = self._world.now()
         self._lean = self._written.lean(self._before, np.zeros(len(blocks)))[0]
         self._first = float(self._before.stored.sum())
+        self.first_pairs: Array = np.empty((0, 0))
+        """The pairs of the trial step from which the forces of `row` are."""
 
     @classmethod
     def from_scene(cls, scene: Scene) -> Self:
@@ -203,6 +217,7 @@ class RigidSystem:
             platform=platform,
             velocity_solve=scene.contact.velocity_solve,
             law_between=scene.laws.between,
+            tells_pairs=scene.output.pairs,
         )
 
     @property
@@ -215,6 +230,49 @@ class RigidSystem:
     def rescued(self) -> dict[str, int]:
         """How many local contact problems Newton's method left to which other method."""
         return self._world.fallbacks()
+
+    @property
+    def body_names(self) -> tuple[str, ...]:
+        """Names of all bodies, by their numbers."""
+        return (*self.names, GROUND)
+
+    @property
+    def deepest(self) -> tuple[float, float, str, str] | None:
+        """The largest overlap at the start of any step: depth (m), time (s), names of both."""
+        known = self._world.counts()
+        first, second = int(known["deepest_a"]), int(known["deepest_b"])
+        if first < 0:
+            return None
+        names = self.body_names
+        return known["deepest"], known["deepest_at"], names[first], names[second]
+
+    @property
+    def largest_defect(self) -> float:
+        """Largest error of velocity in a step that met no tolerance, m/s."""
+        return self._world.counts()["largest_defect"]
+
+    def _meetings(self) -> list[Meeting]:
+        """The bodies that met since the last call, by their times."""
+        names, found = self.body_names, []
+        for met in sorted(self._world.collisions(), key=lambda met: met.time):
+            normal = met.normal / np.linalg.norm(met.normal)
+            push = float(met.impulse @ normal)
+            meeting = Meeting(
+                time_s=met.time,
+                first=names[met.first],
+                second=names[met.second],
+                up=float(normal[-1]),
+                approach_m_s=met.approach,
+                departure_m_s=met.departure,
+                brought_m_s=met.brought,
+                impulse_Ns=push,
+                impulse_tangential_Ns=float(np.linalg.norm(met.impulse - push * normal)),
+                energy_lost_J=met.energy,
+                spin_rad_s=tuple(map(float, met.spin)),
+                later_spin_rad_s=tuple(map(float, met.later_spin)),
+            )
+            found.append(meeting)
+        return found
 
     def advance(
         self,
@@ -231,7 +289,7 @@ class RigidSystem:
         those of the ends.
         """
         motion, shift = _ground_of_steps(count, self.dimension, ground, mean)
-        before = self._before
+        before, unsettled = self._before, self._world.counts()["unsettled"]
         steps = self._world.run(count, dt, smallest or dt / 1024, motion, shift)
         done = len(steps.closed)
         rows: Array = np.full((done, len(self.columns)), np.nan)
@@ -243,7 +301,14 @@ class RigidSystem:
         self.time += dt * done
         rejected = int(self._before.halved[0] - before.halved[0])
         failure = f"no solution of a step at {self.time:.6g} s" if done < count else None
-        return Advance(rows=rows, rejected=rejected, failure=failure)
+        return Advance(
+            rows=rows,
+            rejected=rejected,
+            failure=failure,
+            met=self._meetings(),
+            pairs=self._world.pairs() if self._tells_pairs else np.empty((0, 0)),
+            unsettled=int(self._world.counts()["unsettled"] - unsettled),
+        )
 
     def _fill(self, rows: Array, steps: Steps, dt: float, ground: Array) -> None:
         """Fill in rows, one for each step but the first one, that they follow."""
@@ -280,6 +345,7 @@ class RigidSystem:
         motion = np.tile(np.zeros(d) if ground is None else np.array(ground, float), (2, 1))
         trial = self.advance(1, short, motion, short / 1024)
         self.restore(saved)
+        self.first_pairs = trial.pairs
         rows: Array = np.full((1, len(self.columns)), np.nan)
         self._fill(rows, self._before.followed_by(self._before), dt, motion)
         row = rows[0]

@@ -27,7 +27,7 @@ from solver.scene import Scene
 from solver.scene.output import CheckpointSpec
 from solver.scene.reader import differing
 
-FORMAT = 15
+FORMAT = 16
 """Version of the layout of the file."""
 
 NAME = "checkpoint.npz"

@@ -15,6 +15,7 @@ from solver.fields.vtu import FieldsBefore
 from solver.history.history import History
 from solver.results.endings import Watch
 from solver.results.events import Recorder
+from solver.results.meetings import Contacts
 from solver.run.files import Fields, RunFiles
 from solver.run.interruption import Interruption
 from solver.scene import Scene
@@ -61,6 +62,9 @@ class Engine(Protocol):
 
     def loop(self, context: RunContext) -> tuple[str, str]:
         """Step to the end; returns status and reason."""
+
+    def contacts(self) -> Contacts | None:
+        """The deepest overlap, and how exact contact is; None where the engine keeps no account."""
 
     def cost(self) -> dict[str, Any]:
         """Counts of steps, iterations and unknowns of the run, without its wall time."""

@@ -15,6 +15,8 @@ from solver.fields.vtu import FieldsBefore
 from solver.history.events import NAME as EVENTS
 from solver.history.events import events_text
 from solver.history.history import History
+from solver.history.pairs import NAME as PAIRS
+from solver.history.pairs import PairTable
 from solver.parallel import Comm, Single, on_first_rank
 from solver.results.summary import write_json, write_whole
 from solver.run.checkpoint import NAME, Checkpoint, Schedule, write_checkpoint
@@ -59,6 +61,7 @@ class RunFiles:
         self.schedule = Schedule(scene.output.checkpoint if folder is not None else None, comm)
         self._writes = folder is not None and comm.rank == 0
         self._history: History | None = None
+        self._pairs: PairTable | None = None
         self._fields: Fields | None = None
         self._taken: float | None = None
         self._flushed = -math.inf
@@ -118,6 +121,8 @@ class RunFiles:
         """Write the rows that are not in the file yet."""
         if self._history is not None:
             self._history.flush()
+            if self._pairs is not None:
+                self._pairs.flush()
             if self._writes and self._folder is not None and self._history.events is not None:
                 write_whole(self._folder / EVENTS, events_text(self._history.events))
 
@@ -162,6 +167,14 @@ class RunFiles:
             self._history = found
         assert self._history is not None
         return self._history
+
+    def open_pairs(self, names: Sequence[str]) -> PairTable:
+        """The table of pairs of bodies, whose names are by their numbers; collective."""
+        file = self._folder / PAIRS if self._writes and self._folder is not None else None
+        self._pairs = table = PairTable(file, names, self._scene.dimension)
+        until = None if self._resumed is None else self._resumed.time * (1 + 1e-12)
+        self._together(lambda: table.begin(until))
+        return table
 
     def log(self, line: str) -> None:
         """One line into run.log, with the seconds since the start, if there is room for it."""

@@ -24,6 +24,7 @@ REPORT = "report.html"
 LEFT_BEHIND = (
     "history.csv",
     "events.csv",
+    "pairs.csv",
     "summary.json",
     *("summary.json.part", "scene.toml.part", f"{REPORT}.part", "film.part.mp4", "film.part.gif"),
     "floor_spectra.csv",

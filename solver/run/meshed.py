@@ -217,6 +217,9 @@ class MeshedRun:
             context.history.append(self._row)
             self._row = None
 
+    def contacts(self) -> None:
+        """No account of contacts besides the columns of the history."""
+
     def cost(self) -> dict[str, Any]:
         """Counts of steps, iterations, factorizations and unknowns of the run."""
         stepper = self._stepper

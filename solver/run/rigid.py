@@ -19,6 +19,8 @@ from solver.fields.rigid_snapshots import RigidSnapshots
 from solver.fields.vtu import FieldsBefore
 from solver.history.columns import positions
 from solver.history.history import scene_columns
+from solver.history.pairs import PairTable, kept_pairs
+from solver.results.meetings import Contacts
 from solver.rigid.system import Advance, RigidSystem
 from solver.run.context import RunContext
 from solver.scene import Scene
@@ -60,6 +62,11 @@ class RigidRun:
         self._now = 0.0
         self._row: Array | None = None
         """The last row, unless the history holds it."""
+        self._last_pairs: Array = np.empty((0, 0))
+        """And its pairs."""
+        self._pairs: PairTable | None = None
+        self._unsettled = 0
+        self._largest_defect = 0.0
         self.description = f"{self._system.unknowns} unknowns, {len(scene.blocks)} rigid blocks"
 
     def first_row(self) -> Array:
@@ -77,6 +84,8 @@ class RigidRun:
             "system": self._system.saved(),
             "counts": (self._steps, self._rejected, self._iterations),
             "row": self._row,
+            "pairs": self._last_pairs,
+            "unsettled": (self._unsettled, self._largest_defect),
         }
 
     def resume(self, saved: dict[str, Any]) -> None:
@@ -84,12 +93,18 @@ class RigidRun:
         self._system.restore(saved["system"])
         self._steps, self._rejected, self._iterations = saved["counts"]
         self._now, self._row = self._steps * self._scene.time.step, saved["row"]
+        self._last_pairs = saved["pairs"]
+        self._unsettled, self._largest_defect = saved["unsettled"]
 
     def loop(self, context: RunContext) -> tuple[str, str]:
         """Step to the end; returns status and reason."""
         span = self._scene.time
         total = math.floor(span.end / span.step + 1e-9)
         status, reason = "completed", ""
+        if self._scene.output.pairs:
+            self._pairs = context.files.open_pairs(self._system.body_names)
+            if not self._steps:
+                self._pairs.add(np.zeros(1), self._system.first_pairs)
         while self._steps < total and not reason:
             reason = context.stopped(self._steps * span.step)
             if reason:
@@ -109,6 +124,7 @@ class RigidRun:
         if self._row is not None:
             context.history.append(self._row)
             self._row = None
+            self._tell_pairs(np.array([self._now]), self._last_pairs)
         context.files.snapshot(self._now)
         return status, reason
 
@@ -173,7 +189,9 @@ class RigidRun:
     def _keep(self, context: RunContext, outcome: Advance) -> None:
         """Append the rows that the history holds; another one waits, since it may be the last."""
         rows = outcome.rows[:, self._columns]
-        context.recorder.add(rows)
+        # What was met in a step that was not finished is no part of the run.
+        reached = self._now if not len(rows) else float(outcome.rows[-1, self._run_columns.time_s])
+        context.recorder.add(rows, [m for m in outcome.met if m.time_s <= reached * (1 + 1e-9)])
         number = np.arange(self._steps + 1, self._steps + 1 + len(rows))
         kept = number % self._scene.output.history_every == 0
         context.history.extend(rows[kept])
@@ -181,6 +199,18 @@ class RigidRun:
         if len(rows):
             self._now = float(outcome.rows[-1, self._run_columns.time_s])
             self._row = None if kept[-1] else rows[-1]
+            last = np.arange(len(rows)) == len(rows) - 1
+            self._tell_pairs(outcome.rows[:, self._run_columns.time_s], outcome.pairs, kept)
+            self._last_pairs = kept_pairs(outcome.pairs, last & ~kept)
+            if len(self._last_pairs):
+                self._last_pairs[:, 0] = 0
+        self._unsettled += outcome.unsettled
+        self._largest_defect = max(self._largest_defect, self._system.largest_defect)
+
+    def _tell_pairs(self, times: Array, pairs: Array, kept: Array | None = None) -> None:
+        """Write the pairs of all steps, or of those that are kept, where they are told."""
+        if self._pairs is not None:
+            self._pairs.add(times, pairs if kept is None else kept_pairs(pairs, kept))
 
     def _advance(self, count: int, step: float, ground: tuple[Array, Array] | None) -> Advance:
         """Run so many steps of length `step`; `ground`: accelerations at their ends, mean ones."""
@@ -199,6 +229,10 @@ class RigidRun:
             last = outcome.rows[-1]
             iterations = int(last[run.newton_iterations])
             context.show(float(last[run.time_s]), float(last[run.step_s]), iterations)
+
+    def contacts(self) -> Contacts:
+        """The deepest overlap, and the steps without a solution, of the whole run."""
+        return Contacts(self._system.deepest, self._unsettled, self._largest_defect)
 
     def cost(self) -> dict[str, Any]:
         """Counts of steps, iterations and unknowns of the run."""

@@ -24,7 +24,7 @@ from solver.parallel import Comm, Single, on_first_rank, world
 from solver.results.cautions import cautions_of_input
 from solver.results.endings import Watch
 from solver.results.events import Recorder
-from solver.results.report import overlap_lines
+from solver.results.report import told_lines
 from solver.results.summary import summarise
 from solver.run.checkpoint import Checkpoint, read_checkpoint
 from solver.run.context import Engine, ProgressReport, RunContext
@@ -247,10 +247,11 @@ def _run(
         reason=reason,
         cautions=cautions,
         ground=context.ground,
+        contacts=engine.contacts(),
     )
     if scene.output.twin and status == "completed":
         summary["horizon"] = horizon_beside(scene, history, lambda: twin(scene))
-    for line in overlap_lines(summary):
+    for line in told_lines(summary):
         files.log(line)
     files.finish(summary, f"{status}{': ' if reason else ''}{reason}")
     return status, summary

@@ -197,6 +197,8 @@ class Scene(Checked):
         """Refuse keys for which a block has to meet more than its carrier, or to rebound."""
         for where, _ in self._restitutions():
             raise not_applicable(f"{where}.restitution", UNMESHED)
+        if self.output.pairs:
+            raise not_applicable("output.pairs", UNMESHED)
         for block in self.blocks:
             if block.position is not None:
                 raise not_applicable(f"{block.name}.position", UNMESHED)
@@ -389,6 +391,10 @@ class Scene(Checked):
     def carrier_of(self, block: BlockSpec) -> BlockSpec | None:
         """The block that carries a block, of several the first; None: the foundation does."""
         return next((carrier for carrier in self.blocks if carrier.name == block.carrier), None)
+
+    def carriers_of(self, block: BlockSpec) -> tuple[BlockSpec, ...]:
+        """The blocks that carry a block; none: the foundation does."""
+        return tuple(carrier for carrier in self.blocks if carrier.name in block.carriers)
 
     def non_adjacent(self) -> Iterator[tuple[BlockSpec, BlockSpec]]:
         """All pairs of blocks of which neither carries the other at the start."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import pickle
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +12,9 @@ import numpy as np
 import pytest
 
 from rockslip import History, Result, parse_scene, read_run, simulate
-from solver.history.events import COLUMNS, Event, read_events
+from solver.history.events import COLUMNS, Event, Meeting, read_events
 from solver.results.events import Recorder
+from solver.types import Array
 
 G = 9.81
 SLENDER: dict[str, Any] = {
@@ -33,10 +35,30 @@ def events(result: Result, kind: str, block: str = "block") -> list[Event]:
     return [e for e in result.history.events if (e.kind, e.block) == (kind, block)]
 
 
+Told = list[tuple[Array, Sequence[Meeting]]]
+"""Rows, and who met in them, as a run tells its recorder."""
+
+
 @pytest.fixture(scope="module")
-def shaken() -> Result:
-    """A block that is lifted off by a pulse, rocks and comes to rest."""
-    return run({}, motion={"kind": "one_sine", "amplitude_g": 0.4, "duration": 0.4}, end=4.0)
+def told() -> tuple[Result, Told]:
+    """A block that is lifted off by a pulse, rocks and comes to rest, and what its recorder got."""
+    pieces: Told = []
+    add = Recorder.add
+
+    def note(self: Recorder, rows: Array, met: Sequence[Meeting] = ()) -> None:
+        pieces.append((rows.copy(), met))
+        add(self, rows, met)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Recorder, "add", note)
+        motion = {"kind": "one_sine", "amplitude_g": 0.4, "duration": 0.4}
+        return run({}, motion=motion, end=4.0), pieces
+
+
+@pytest.fixture(scope="module")
+def shaken(told: tuple[Result, Told]) -> Result:
+    """That run."""
+    return told[0]
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
@@ -93,22 +115,30 @@ def test_a_block_that_loses_what_carries_it_and_overturns() -> None:
 
 @pytest.mark.parametrize("first", [1, 7, 300, 512, 4001])
 def test_it_does_not_matter_how_steps_come(
-    shaken: Result, first: int, monkeypatch: pytest.MonkeyPatch
+    told: tuple[Result, Told], first: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """By few or together, also where a run stops and goes on, and however often it is looked."""
     monkeypatch.setattr("solver.results.events.CHUNK", 256)
-    history = shaken.history
+    history = told[0].history
+    met = [each for _, all_met in told[1] for each in all_met]
     scene = parse_scene({
         "block": [SLENDER], "time": {"end": 4.0, "step": 1e-3},
         "motion": {"kind": "one_sine", "amplitude_g": 0.4, "duration": 0.4},
     })  # fmt: skip
     rows = np.stack([history[name] for name in history.columns], axis=1)
     one = Recorder(scene, history.columns)
-    one.add(rows[:first])
+
+    def piece(begin: int, end: int) -> tuple[Array, list[Meeting]]:
+        """Rows and who met in them."""
+        part = rows[begin:end]
+        after = rows[begin - 1, 0] if begin else -np.inf
+        return part, [m for m in met if after < m.time_s <= part[-1, 0]]
+
+    one.add(*piece(0, first))
     other = Recorder(scene, history.columns)
     other.resume(pickle.loads(pickle.dumps(one.saved())))
     for k in range(first, len(rows), 77):
-        other.add(rows[k : k + 77])
+        other.add(*piece(k, k + 77))
     assert repr(other.finish()) == repr(history.events)
 
 

@@ -136,14 +136,42 @@ def test_it_agrees_with_the_plane_when_a_block_falls() -> None:
     assert max(times) - min(times) <= 6e-3 + 1e-12
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-def test_blocks_that_run_into_each_other_are_told(engine: str, tmp_path: Path) -> None:
-    """One slides towards the other at 1 m/s without friction, 0.1 m away: from 0.1 s on."""
+def runs_into(engine: str, folder: Path, lines: list[str]) -> Result:
+    """One slides towards the other at 1 m/s without friction, 0.1 m away: there at 0.1 s."""
     velocity = [1.0, 0.0, 0.0] if engine == "space" else [1.0, 0.0]
-    pair = {"name": "left", "velocity": velocity}, {"name": "right", "offset": 0.4}
+    gap = 0.1 if engine == "meshed" else 0.1007
+    pair = {"name": "left", "velocity": velocity}, {"name": "right", "offset": 0.3 + gap}
     given = scene(engine, *pair, end=0.25, contact={"friction": 0.0})
+    return simulate(given, folder=folder, log=lines.append)
+
+
+@pytest.mark.parametrize("engine", ["plane", "space"])
+def test_rigid_blocks_that_run_into_each_other_meet(engine: str, tmp_path: Path) -> None:
+    """A plastic impact of equal masses: m v/2, half of the energy, at the exact instant."""
     lines: list[str] = []
-    result = simulate(given, folder=tmp_path, log=lines.append)
+    result = runs_into(engine, tmp_path, lines)
+    assert result.history.events is not None
+    (met,) = (e for e in result.history.events if e.kind == "collision")
+    assert (met.block, met.meets, met.impulse_tangential_Ns) == ("left", "right", 0.0)
+    assert met.time_s == pytest.approx(0.1007, abs=1e-9)
+    assert (met.velocity_before_m_s, met.velocity_after_m_s) == pytest.approx((-1.0, 0.0))
+    mass = result.summary["energy"]["loss"]["contact_J"] * 4
+    assert met.impulse_Ns == pytest.approx(mass / 2, rel=1e-9)
+    assert met.energy_lost_J == pytest.approx(mass / 4, rel=1e-9)
+    kept = json.loads((tmp_path / "summary.json").read_text())
+    assert kept["overlaps"] == [] and kept["collapse"] == [] and kept["unsettled"] is None
+    assert kept["first_collision"] == {"time_s": met.time_s, "between": ["left", "right"]}
+    assert kept["largest_pounding"] == kept["first_collision"] | {"impulse_Ns": met.impulse_Ns}
+    assert kept["deepest_penetration_m"] < 1e-9
+    line = "first collision of two blocks: left meets right at 0.1007 s"
+    assert line in report(result.summary) and line in lines
+
+
+def test_meshed_blocks_that_run_into_each_other_are_told(tmp_path: Path) -> None:
+    """They do not feel each other: from 0.1 s on they overlap."""
+    lines: list[str] = []
+    result = runs_into("meshed", tmp_path, lines)
+    assert result.summary["first_collision"] is None
     found = result.summary["overlaps"]
     assert json.loads((tmp_path / "summary.json").read_text())["overlaps"] == found
     assert len(found) == 1
