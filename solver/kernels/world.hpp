@@ -1087,9 +1087,10 @@ template <int d> class World {
 
     bool is_new(const C& k) const { return k.gap > TOUCHING * size_; }
 
-    /// A contact that was clear and carries an impulse, having come faster than weight moves in the step.
+    /// A contact that was clear and carries an impulse, having come faster than weight moves in the step;
+    /// or that touches since the end of the last step, and still comes.
     bool strikes(const Attempt& A, const C& k, double dt, double pull) const {
-        return is_new(k) && k.state != OPEN && k.impulse[0] > 0 && approach(A, k) > 0.5 * dt * pull;
+        return (is_new(k) || !k.was_closed) && k.state != OPEN && k.impulse[0] > 0 && approach(A, k) > 0.5 * dt * pull;
     }
 
     /// Slip velocities of a contact at the start and the end of the step: by the rows of the start, as
@@ -1203,7 +1204,11 @@ template <int d> class World {
         const std::vector<int> members = A.members;
         bool touches = false;
         for (const C& k : A.contacts) touches |= strikes(A, k, piece.dt, pull);
-        const double length = touches ? locate_touch(A, piece.dt, piece.ground) : locate_end_of_slip(A, piece.dt, piece.ground, pull);
+        bool at_start = false;
+        for (const C& k : A.contacts) at_start |= !is_new(k) && strikes(A, k, piece.dt, pull);
+        double length = 0.5 * AT_END * piece.dt;
+        if (!touches) length = locate_end_of_slip(A, piece.dt, piece.ground, pull);
+        else if (!at_start) length = locate_touch(A, piece.dt, piece.ground);
         // Where no instant was found inside the step: all of it at once.
         if (!(length > 0)) return advance(depth + 1, members, {piece.begin, piece.dt, piece.ground, 0});
         counts.cut++;
@@ -1618,7 +1623,7 @@ template <int d> class World {
     void record_landings(const Attempt& A, double dt, double when) {
         const std::size_t first = collisions.size();
         for (const C& k : A.contacts) {
-            if (!is_new(k) || k.state == OPEN || !(k.impulse[0] > 0)) continue;
+            if ((!is_new(k) && k.was_closed) || k.state == OPEN || !(k.impulse[0] > 0)) continue;
             const double pull = norm(gravity), speed = approach(A, k);
             if (!(speed > 0.5 * dt * pull)) continue;
             Vec<d> before{};
