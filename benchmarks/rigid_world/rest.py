@@ -53,20 +53,21 @@ def rest(tables: dict[str, Any], end: float, *, system: RigidSystem | None = Non
     return Rest(
         creep=creep,
         unbalanced=_unbalanced(tables, system, last),
-        penetration=deepest / min(min(block["width"], block["height"]) for block in tables["block"]),
+        penetration=deepest
+        / min(min(block["width"], block["height"]) for block in tables["block"]),
     )
 
 
 def _unbalanced(tables: dict[str, Any], system: RigidSystem, last: dict[str, Any]) -> float:
     """The force that a course gets from below is the weight of all that is not below it."""
-    kinds = ("friction_force", "friction_force_second")[: system.dimension - 1] + ("normal_force",)
+    kinds = ("normal_force", "friction_force", "friction_force_second")[: system.dimension]
     weight = np.array([scenes.weight(block) for block in tables["block"]])
     level = np.round([system.centre(k)[-1] for k in range(len(weight))], 6)
     force = np.array([[last[f"{name}.{kind}_N"] for kind in kinds] for name in system.names])
     off = []
     for course in np.unique(level):
         total = force[level == course].sum(axis=0)
-        total[-1] -= weight[level >= course].sum()
+        total[0] -= weight[level >= course].sum()
         off.append(np.abs(total).max())
     return float(max(off) / weight.min())
 

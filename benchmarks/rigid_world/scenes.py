@@ -53,9 +53,7 @@ def wall(
     return {"block": bricks, "contact": {"friction": friction}, "time": {"end": 1.0}} | tables
 
 
-def _course(
-    course: int, columns: int, width: float, joint: float
-) -> Iterator[tuple[float, float]]:
+def _course(course: int, columns: int, width: float, joint: float) -> Iterator[tuple[float, float]]:
     """Middle and width of each brick of a course."""
     pitch, first = width + joint, -(columns - 1) / 2 * (width + joint)
     if course % 2 == 0:
@@ -102,9 +100,7 @@ def yard(rows: int = 4, lines: int = 3, levels: int = 3, **tables: Any) -> Table
 def apart(count: int, d: int = 2, **tables: Any) -> Tables:
     """Blocks that stand tilted by three degrees, too far from each other to meet."""
     size = {"model": "rigid", "width": 0.25, "height": 1.0, "thickness": 0.75, "mass": 503.0}
-    blocks = [
-        size | {"name": f"n{k}", "offset": 5.0 * k, "tilt_deg": 3.0} for k in range(count)
-    ]
+    blocks = [size | {"name": f"n{k}", "offset": 5.0 * k, "tilt_deg": 3.0} for k in range(count)]
     scene = {"dimension": d, "block": blocks, "contact": {"friction": 0.7}, "time": {"end": 3.0}}
     return scene | tables
 

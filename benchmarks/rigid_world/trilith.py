@@ -162,7 +162,9 @@ def draw(found: Sequence[Row]) -> None:
             axis.plot(*places, "s", color=colour, markersize=4, label=state)
         axis.plot(frequency, falls, "k-", label="frame: falls")
         axis.axhline(math.tan(frame.alpha), color="k", linestyle="--", label="frame: moves")
-        axis.set(title=f"friction {friction:g}", xlabel="frequency of the pulse, Hz", ylim=(0, 2.05))
+        axis.set(
+            title=f"friction {friction:g}", xlabel="frequency of the pulse, Hz", ylim=(0, 2.05)
+        )
     axes[0].set_ylabel("amplitude, g")
     axes[0].legend(fontsize=7, loc="upper left")
     figure.tight_layout()

@@ -37,7 +37,8 @@ def test_a_rocking_block_keeps_what_housner_says(restitution: float | None) -> N
     block = PAPER | {"tilt_deg": 3.0} | ({"restitution": restitution} if restitution else {})
     history = run(scene(2, block, end=1.4, friction=0.8), ledger=1e-12).history
     spin, level, angle = (
-        history[f"block.{column}"] for column in ("angular_velocity_rad_s", "centre_y_m", "angle_rad")
+        history[f"block.{column}"]
+        for column in ("angular_velocity_rad_s", "centre_y_m", "angle_rad")
     )
     energy = spin**2 * (0.25**2 + 1) / 6 + G * (level - 0.5)
     at = np.flatnonzero(np.diff(np.sign(angle)))[:4]

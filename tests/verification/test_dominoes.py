@@ -32,7 +32,9 @@ def past(history: History, block: int, degrees: float) -> float:
     angle = history[f"n{block}.rotation_y_rad" if d3 else f"n{block}.angle_rad"]
     k = int(np.argmax(angle > math.radians(degrees)))
     part = (math.radians(degrees) - angle[k - 1]) / (angle[k] - angle[k - 1])
-    return float(history["time_s"][k - 1] + part * (history["time_s"][k] - history["time_s"][k - 1]))
+    return float(
+        history["time_s"][k - 1] + part * (history["time_s"][k] - history["time_s"][k - 1])
+    )
 
 
 @pytest.mark.parametrize(("d", "step"), [(2, 1e-3), (2, 5e-4), (2, 2e-4), (3, 1e-3)])
