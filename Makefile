@@ -25,7 +25,7 @@ test:
 	./in-env python3 -m pytest tests -n 2 --dist loadfile
 
 quick:
-	./in-env python3 -m pytest tests -n 2 --dist loadfile -m "not slow and not mpi"
+	./in-env python3 -m pytest tests -n 2 --dist loadfile -m "not slow and not mpi" --ignore tests/oracles
 
 # ONLY=stacks: those whose topic or name has it; BESIDE=--beside: the values of today by another engine or step.
 oracles:

@@ -13,7 +13,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -105,8 +105,8 @@ SCENES: dict[str, dict[str, Any]] = {
 WITH_FIELDS = {"block": [BLOCK, TOP], "foundation": PLATE | ON_ROLLERS}
 
 
-def run_all(folder: Path, end: float) -> None:
-    """Run every scene up to `end` (s) on the ranks that there are; collective."""
+def run_all(folder: Path, end: float, names: Sequence[str]) -> None:
+    """Run scenes up to `end` (s) on the ranks that there are; collective."""
     # Not above: the process that starts mpirun must not be a rank itself.
     from mpi4py import MPI
 
@@ -121,8 +121,8 @@ def run_all(folder: Path, end: float) -> None:
         "output": {"every": 0.06},
     }
     size, rank = MPI.COMM_WORLD.size, MPI.COMM_WORLD.rank
-    for name, special in SCENES.items():
-        result = simulate(parse_scene(common | special))
+    for name in names:
+        result = simulate(parse_scene(common | SCENES[name]))
         if rank == 0:
             assert result.status == "completed", result.summary["reason"]
             assert result.summary["cost"]["ranks"] == size or "rigid" in name
@@ -134,11 +134,13 @@ def run_all(folder: Path, end: float) -> None:
     )
 
 
-def run_on(ranks: int, folder: Path, end: float) -> subprocess.CompletedProcess[str]:
+def run_on(
+    ranks: int, folder: Path, end: float, names: Sequence[str] = tuple(SCENES)
+) -> subprocess.CompletedProcess[str]:
     """`run_all` in processes of its own."""
     launch = ["mpirun", "--oversubscribe", "-n", str(ranks)] if ranks > 1 else []
     return subprocess.run(
-        [*launch, sys.executable, __file__, str(folder), str(end)],
+        [*launch, sys.executable, __file__, str(folder), str(end), *names],
         env={**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"},
         capture_output=True,
         text=True,
@@ -180,6 +182,6 @@ def main() -> int:
 
 if __name__ == "__main__":
     if len(sys.argv) > 1:
-        run_all(Path(sys.argv[1]), float(sys.argv[2]))
+        run_all(Path(sys.argv[1]), float(sys.argv[2]), sys.argv[3:])
     else:
         sys.exit(main())
