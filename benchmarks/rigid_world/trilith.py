@@ -2,10 +2,11 @@
 
     ./in-env python3 -m benchmarks.rigid_world.trilith [--points N]
 
-Two columns of 0.5 m x 2 m and a lintel under half sines, with friction that prevents sliding (3.0)
-a little more than what rocking needs (0.3, tan alpha is 0.25), and less (0.2). Writes `benchmarks/trilith.csv`, a row for each pulse, and
-`docs/pictures/trilith.png`: maps over frequency and amplitude as Andreaus and Casini (1999) drew
-them, beside the rocking frame of Makris and Vassiliou (2013). Takes minutes.
+Two columns of 0.5 m x 2 m and a lintel under half sines, with friction that prevents sliding (3.0),
+a little more than rocking needs (0.3; tan alpha is 0.25), and less (0.2). Writes
+`benchmarks/trilith.csv`, a row for each pulse, and `docs/pictures/trilith.png`: maps over frequency
+and amplitude as Andreaus and Casini (1999) drew them, beside the rocking frame of Makris and
+Vassiliou (2013). Takes three minutes of processor time.
 """
 
 from __future__ import annotations
