@@ -101,10 +101,10 @@ template <int d> class LocalProblem {
 
     /// Takes out what the proximal term has left of the law; with final rows. False where more than
     /// round-off is left of it.
-    bool finish(I& island) {
+    bool finish(I& island, int rounds = 3) {
         double e = error(island, 0);
         const std::size_t count = island.contacts.size();
-        for (int round = 0; round < 3 && e > ENOUGH; round++) {
+        for (int round = 0; round < rounds && e > ENOUGH; round++) {
             kept_.resize(count);
             anchor_.resize(count);
             for (std::size_t i = 0; i < count; i++) kept_[i] = anchor_[i] = island.contacts[i]->impulse;

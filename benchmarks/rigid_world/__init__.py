@@ -1,0 +1,1 @@
+"""Rigid bodies that meet each other: scenes, times and accuracy beside MuJoCo, the trilith."""
