@@ -1,8 +1,8 @@
 """The narrow phase beside every separating axis, on random pairs of convex bodies.
 
-Two convex bodies are apart by the largest distance along the normals of their faces and, in space, the
-products of their edges (separating axes); the narrow phase has to find that distance, and a feature
-that shows each overlap.
+Two convex bodies are apart by the largest distance along the normals of their faces and, in space,
+the products of their edges (separating axes); the narrow phase has to find that distance, and a
+feature that shows each overlap.
 """
 
 from __future__ import annotations
@@ -50,7 +50,12 @@ class Solid:
 
     def edges(self) -> Array:
         """Its edges in space, (edges, 3)."""
-        ends = {(a, b) for loop in self.loops for a, b in zip(loop, loop[1:] + loop[:1]) if a < b}
+        ends = {
+            (a, b)
+            for loop in self.loops
+            for a, b in zip(loop, loop[1:] + loop[:1], strict=True)
+            if a < b
+        }
         return np.array([self.vertices[b] - self.vertices[a] for a, b in sorted(ends)])
 
 
