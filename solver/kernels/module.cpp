@@ -265,6 +265,31 @@ void world_reset_deepest(void* handle) {
     with(handle, [](auto& world) { world.deepest = {}; });
 }
 
+/// The narrow phase of two shapes at places (centre and rotation, row by row): writes its distance, and
+/// for each feature its kind, gap, number of the body with the point (0 or 1), and point or edge;
+/// returns how many features there are. For tests.
+long world_look(void* handle, int one, int other, const double* places, double margin, double inset, double* out) {
+    return with(handle, [&](auto& world) {
+        constexpr int d = std::decay_t<decltype(world)>::dimension;
+        const Shape<d>&A = world.shapes[one], &B = world.shapes[other];
+        PlacedShape<d> a, b;
+        for (PlacedShape<d>* placed : {&a, &b}) {
+            Placement<d> at;
+            at.centre = read<d>(places);
+            for (auto& row : at.R) row = read<d>(places);
+            placed->place(placed == &a ? A : B, at);
+        }
+        std::vector<Feature<d>> found;
+        *out++ = NarrowPhase<d>(0, 1, A, B, a, b, margin, inset, found).find();
+        for (const Feature<d>& each : found) {
+            const bool first = each.point_body == 0;
+            const double gap = first ? gap_of(each, A, B, a.at, b.at) : gap_of(each, B, A, b.at, a.at);
+            write(out, Numbers<4>{double(static_cast<int>(each.kind)), gap, double(each.point_body), double(each.point)});
+        }
+        return static_cast<long>(found.size());
+    });
+}
+
 void world_counts(void* handle, double* out) {
     with(handle, [&](auto& world) {
         const auto& o = world.local.outcomes;

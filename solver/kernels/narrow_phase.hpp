@@ -59,6 +59,9 @@ constexpr double PARALLEL = 0.02;
 /// Cosine to a face's normal above which a normal across two edges belongs to that face.
 constexpr double ALONG_A_FACE = 0.98;
 
+/// Sine of the angle between faces above which they are not flush.
+constexpr double OBLIQUE = 1e-3;
+
 /// The narrow phase of one pair; a and b are the numbers of the bodies, a < b.
 template <int d> class NarrowPhase {
   public:
@@ -160,6 +163,14 @@ template <int d> class NarrowPhase {
             if (dot(normal, other.vertices[i]) <= deepest + 1e-3 * inset_) corner_on_face(!by_a, static_cast<int>(i), face);
     }
 
+    /// By how much a's face is taken as smaller. Of oblique faces the one whose normal counts is taken as
+    /// larger instead: a corner beside it is as far from the other body as from its plane, whereas a corner
+    /// beside the tilted face is not.
+    double hair(int face_a, int face_b, bool by_a) const {
+        const Vec<d>&m = at_a_.normals[face_a], &n = at_b_.normals[face_b];
+        return by_a && norm(m + n) > OBLIQUE ? -inset_ : inset_;
+    }
+
     /// The ends of the overlap of two edges of polygons.
     void clip(int face_a, int face_b, bool by_a) {
         if constexpr (d == 3) {
@@ -179,7 +190,7 @@ template <int d> class NarrowPhase {
                 e[1].s -= inset;
                 return e;
             };
-            const auto of_a = ends(at_a_, A_.faces[face_a].corners, true, inset_);
+            const auto of_a = ends(at_a_, A_.faces[face_a].corners, true, hair(face_a, face_b, by_a));
             const auto of_b = ends(at_b_, B_.faces[face_b].corners, false, 0);
             const End low = of_a[0].s > of_b[0].s ? of_a[0] : of_b[0], high = of_a[1].s < of_b[1].s ? of_a[1] : of_b[1];
             if (low.s > high.s) return;
@@ -230,8 +241,10 @@ template <int d> class NarrowPhase {
         if (edge_a < 0 || most <= apart + 1e-9 * A_.radius) return -INFINITY;
         const int near_a = facing(at_a_, axis), near_b = facing(at_b_, -1.0 * axis);
         const double along_a = -dot(axis, at_a_.normals[near_a]), along_b = dot(axis, at_b_.normals[near_b]);
-        if (std::max(along_a, along_b) < ALONG_A_FACE) edge_edge(edge_a, edge_b, axis, -1);
-        else clip_polygons(near_a, near_b, along_a > along_b);
+        const std::size_t before = found_.size();
+        if (std::max(along_a, along_b) >= ALONG_A_FACE) clip_polygons(near_a, near_b, along_a > along_b);
+        // The faces beside the edges need not lie over each other where the edges cross.
+        if (found_.size() == before) edge_edge(edge_a, edge_b, axis, -1);
         return most;
     }
 
@@ -265,6 +278,7 @@ template <int d> class NarrowPhase {
         const Vec<3> up = by_a ? -1.0 * at_a_.normals[number_a] : at_b_.normals[number_b];  // from b to a
         const Vec<3> t0 = mul(by_a ? at_a_.at.R : at_b_.at.R, (by_a ? face_a : face_b).tangent[0]), t1 = cross(up, t0);
         const auto plan = [&](const Vec<3>& x) { return Vec<2>{dot(t0, x), dot(t1, x)}; };
+        const double shrunk = hair(number_a, number_b, by_a);
         const int na = static_cast<int>(face_a.corners.size()), nb = static_cast<int>(face_b.corners.size());
         static thread_local std::vector<Vec<2>> a, b, inner;
         a.resize(na);
@@ -281,7 +295,7 @@ template <int d> class NarrowPhase {
             const double ln = norm(next), ll = norm(last);
             const double sine = (last[0] * next[1] - last[1] * next[0]) / (ln * ll);
             const double room = std::fabs(sine) < 1e-6 ? 1e-6 : sine;
-            inner[k] = a[k] + (inset_ / room) * ((1 / ln) * next - (1 / ll) * last);
+            inner[k] = a[k] + (shrunk / room) * ((1 / ln) * next - (1 / ll) * last);
         }
         const auto corner_of_a = [&](int k) { return face_a.corners[na - 1 - k]; };
         const auto edge_of_a = [&](int k) { return face_a.edges[(2 * na - 2 - k) % na]; };  // k to k + 1

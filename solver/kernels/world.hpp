@@ -75,6 +75,7 @@ template <int d> class World {
     using C = Contact<d>;
 
   public:
+    static constexpr int dimension = d;
     std::vector<Shape<d>> shapes;
     std::vector<Body<d>> bodies;
     std::vector<ContactLaw> laws;
@@ -220,6 +221,7 @@ template <int d> class World {
         std::vector<Feature<d>> found;
         std::vector<std::pair<int, int>> pairs;
         std::vector<double> apart;
+        std::vector<std::size_t> first;  // contact of each pair; last of all the first that turned out later
         std::vector<Island<d>> islands;
         int island_count = 0;
         bool all_still = true;
@@ -298,6 +300,7 @@ template <int d> class World {
             const Body<d>& body = bodies[b];
             A.start[b].place(shapes[body.shape], body.placement());
             A.failed[b] = 0;
+            A.way[b] = 0;
             const double way = dt * (norm(body.v) + norm(body.spin) * shapes[body.shape].radius + dt * pull);
             A.margin[b] = std::max(A.least[b], 2 * way + hair);
             A.still[b] = std::max(0.5 * A.least[b], way) < 100 * hair;
@@ -385,12 +388,7 @@ template <int d> class World {
         A.pairs = broad_.find(A.listed, bodies, A.start, A.margin);
         A.apart.resize(A.pairs.size());
         A.contacts.clear();
-        A.found.clear();
-        for (std::size_t i = 0; i < A.pairs.size(); i++) {
-            A.apart[i] = look(A, A.pairs[i], A.start, true);
-            if (-A.apart[i] > deepest.depth) deepest = {-A.apart[i], time, A.pairs[i].first, A.pairs[i].second};
-        }
-        const std::size_t first = A.found.size();
+        A.first.clear();
         if (!A.all_still) {
             const Vec<d> load = gravity - ground.mean(dt);
             for (int b : fixed_) A.other[b] = A.start[b];
@@ -400,10 +398,20 @@ template <int d> class World {
                     for (int i = 0; i < d; i++) increment[i] += 0.5 * dt * dt * load[i];
                 A.other[b].place(shapes[bodies[b].shape], bodies[b].moved(increment));
             }
-            for (const auto& pair : A.pairs)
-                if (!A.still[pair.first] || !A.still[pair.second]) look(A, pair, A.other, true);
         }
-        for (std::size_t i = 0; i < A.found.size(); i++) add_contact(A, A.found[i], i >= first);
+        for (std::size_t i = 0; i < A.pairs.size(); i++) {
+            const auto [a, b] = A.pairs[i];
+            A.first.push_back(A.contacts.size());
+            A.found.clear();
+            A.apart[i] = look(A, A.pairs[i], A.start, true);
+            if (-A.apart[i] > deepest.depth) deepest = {-A.apart[i], time, a, b};
+            for (const Feature<d>& feature : A.found) add_contact(A, feature);
+            if (A.still[a] && A.still[b]) continue;
+            A.found.clear();
+            look(A, A.pairs[i], A.other, true);
+            for (const Feature<d>& feature : A.found) add_late_contact(A, i, feature);
+        }
+        A.first.push_back(A.contacts.size());
     }
 
     /// Features of a pair at some places, added to those found; returns how far it is apart.
@@ -414,14 +422,28 @@ template <int d> class World {
         return narrow.find();
     }
 
-    /// Adds a contact unless it is there; false where it is not added. One that was found `late` is
-    /// no contact if it was below its face, beside it, at the start.
-    bool add_contact(Attempt& A, const Feature<d>& feature, bool late) {
-        const int low = std::min(feature.point_body, feature.face_body), high = std::max(feature.point_body, feature.face_body);
+    /// Adds a contact of a pair unless it is there, or was below its face, beside it, at the start; true
+    /// where it is added.
+    bool add_late_contact(Attempt& A, std::size_t pair, const Feature<d>& feature) {
+        const auto [low, high] = A.pairs[pair];
         const std::uint64_t id = feature.id();
-        if (late)
-            for (const C& k : A.contacts)
-                if (k.id == id && std::min(k.feature.point_body, k.feature.face_body) == low && std::max(k.feature.point_body, k.feature.face_body) == high) return false;
+        const auto is_there = [&](std::size_t from, std::size_t to) {
+            return std::any_of(A.contacts.begin() + from, A.contacts.begin() + to, [&](const C& k) {
+                return k.id == id && std::minmax(k.feature.point_body, k.feature.face_body) == std::minmax(low, high);
+            });
+        };
+        const std::size_t count = A.contacts.size(), end = pair + 1 < A.first.size() ? A.first[pair + 1] : count;
+        if (is_there(A.first[pair], end) || is_there(std::max(end, A.first.back()), count)) return false;
+        add_contact(A, feature);
+        const C& k = A.contacts.back();
+        const bool below = k.gap < -TOUCHING * size_ && !k.was_closed;
+        if (below) A.contacts.pop_back();
+        return !below;
+    }
+
+    void add_contact(Attempt& A, const Feature<d>& feature) {
+        const auto [low, high] = std::minmax(feature.point_body, feature.face_body);
+        const std::uint64_t id = feature.id();
         C k;
         k.feature = feature;
         k.id = id;
@@ -447,7 +469,6 @@ template <int d> class World {
                     for (int i = 1; i < d; i++) k.start[i] = before->offset[i];
             }
         }
-        if (late && gap < -TOUCHING * size_ && !k.was_closed) return false;
         // Contacts that say the same must not differ by round-off of places.
         if (std::fabs(gap) < ROUND_OFF * size_) gap = 0;
         k.gap = gap;
@@ -455,7 +476,6 @@ template <int d> class World {
         k.area = feature.area;
         if constexpr (d == 2) k.area *= std::min(thickness(feature.point_body), thickness(feature.face_body));
         A.contacts.push_back(k);
-        return true;
     }
 
     double thickness(int b) const { return bodies[b].mobility == Mobility::FREE ? bodies[b].thickness : INFINITY; }
@@ -550,17 +570,15 @@ template <int d> class World {
         for (std::size_t i = 0; i < A.pairs.size(); i++) {
             const auto [a, b] = A.pairs[i];
             if ((A.still[a] && A.still[b]) || A.failed[a] || A.failed[b]) continue;
-            const std::size_t first = A.found.size();
+            A.found.clear();
             const double apart = look(A, A.pairs[i], A.other, false);
             bool added = false;
             if (apart < -1e-10 * size_)
-                for (std::size_t k = first; k < A.found.size(); k++) {
-                    const Feature<d> feature = A.found[k];
-                    if (gap_between(feature, A.end[feature.point_body], A.end[feature.face_body]) < -1e-11 * size_ && add_contact(A, feature, true)) {
+                for (const Feature<d>& feature : A.found)
+                    if (gap_between(feature, A.end[feature.point_body], A.end[feature.face_body]) < -1e-11 * size_ && add_late_contact(A, i, feature)) {
                         counts.late++;
                         added = more = true;
                     }
-                }
             // Nobody can say where they met: a shorter step knows.
             if (!added && apart < std::min(A.apart[i], 0.0) - TOUCHING * size_) spoil(A, a), spoil(A, b);
         }
