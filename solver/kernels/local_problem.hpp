@@ -100,19 +100,21 @@ template <int d> class LocalProblem {
     }
 
     /// Takes out what the proximal term has left of the law; with final rows. False where more than
-    /// round-off is left of it.
-    bool finish(I& island, int rounds = 3) {
+    /// round-off is left of it. Forces at rest are to last: they are brought further, in more rounds.
+    bool finish(I& island, bool at_rest = false) {
+        const int rounds = at_rest ? 30 : 3;
+        const double enough = at_rest ? 0.01 : ENOUGH;
         double e = error(island, 0);
         const std::size_t count = island.contacts.size();
-        for (int round = 0; round < rounds && e > ENOUGH; round++) {
+        for (int round = 0; round < rounds && e > enough; round++) {
             kept_.resize(count);
             anchor_.resize(count);
             for (std::size_t i = 0; i < count; i++) kept_[i] = anchor_[i] = island.contacts[i]->impulse;
             const double next = newton(island, SOFTNESS, FULL_STEPS + 8) ? error(island, 0) : INFINITY;
             if (next < e) {
-                const bool enough = next > 0.5 * e;
+                const bool stalls = next > 0.5 * e;
                 e = next;
-                if (enough) break;
+                if (stalls) break;
                 continue;
             }
             restore(island, kept_);

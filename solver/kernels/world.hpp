@@ -666,7 +666,7 @@ template <int d> class World {
             bool friction_changed = false;
             for (std::size_t i = 0; i < island.contacts.size(); i++) friction_changed |= follow(*island.contacts[i], island.own[i][1], dt, SHARES[round / FRICTION_ROUNDS]);
             if (friction_changed) continue;
-            if (!local.finish(island) && !rough_) return false;
+            if (!local.finish(island, at_rest(A, island)) && !rough_) return false;
             for (std::size_t j = 0; j < island.bodies.size(); j++) {
                 const int b = island.bodies[j];
                 A.w[b] = island.w[j];
@@ -695,7 +695,11 @@ template <int d> class World {
 
     /// True if bodies that stand on fixed ground began at rest and go less than the tolerance leaves.
     bool rests(const Attempt& A, const Island<d>& island, double dt) const {
-        if (!stands(island) || !is_slow(island, dt)) return false;
+        return stands(island) && is_slow(island, dt) && at_rest(A, island);
+    }
+
+    /// True if all bodies of an island began without velocity.
+    static bool at_rest(const Attempt& A, const Island<d>& island) {
         for (int b : island.bodies)
             if (norm(A.begun[b]) > 0) return false;
         return true;
