@@ -50,7 +50,6 @@ def description() -> list[tuple[str, str]]:
     lines = [("rockslip", VERSION), ("python", platform.python_version())]
     lines += [(package, _version(package)) for package in PACKAGES]
     lines += [
-        ("kernels", kernels()),
         ("petsc", petsc_version()),
         ("mpi", mpi_version()),
         ("ranks", str(MPI.COMM_WORLD.size)),
@@ -67,14 +66,6 @@ def _version(package: str) -> str:
     except ImportError:
         return "missing"
     return str(getattr(module, "__version__", "unknown"))
-
-
-def kernels() -> str:
-    """Digest of the sources of the compiled kernels, and their file."""
-    from solver.kernels.library import library, sources_of
-
-    loaded = library()
-    return f"{sources_of(loaded)} ({loaded._name})"
 
 
 def petsc_version() -> str:

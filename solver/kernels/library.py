@@ -73,6 +73,9 @@ def digest(folders: Iterable[Path]) -> str:
     for folder in folders:
         files = [file for name in SOURCES for file in sorted(folder.glob(name))]
         if files:
-            content = b"".join(file.read_bytes() for file in files)
+            try:
+                content = b"".join(file.read_bytes() for file in files)
+            except OSError:  # nothing to compare with
+                return ""
             return hashlib.sha256(content).hexdigest()[:16]
     return ""

@@ -282,4 +282,4 @@ print(code, *sorted(heavy & set(sys.modules)))
         check=True,
     )
     assert done.stdout.splitlines()[-1].split() == ["0"]
-    assert "numba" in summary_of(tmp_path / "granite.out")["versions"]
+    assert "numba" not in summary_of(tmp_path / "granite.out")["versions"]

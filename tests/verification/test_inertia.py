@@ -210,7 +210,8 @@ def test_a_locked_stack_rocks_as_its_equations_say() -> None:
     drift, _, slip, angle, fell = run.run()["numbers"]
     (block,) = scene.blocks
     assert block.width / block.height < cell.friction  # it rocks before it slides
-    assert (slip, fell) == (pytest.approx(0.0, abs=1e-9), 0.0)
+    # A pivot is held to 1e-10 of the size a step.
+    assert (slip, fell) == (pytest.approx(0.0, abs=1e-8), 0.0)
     resolved, ground = scene_of(run.case)
     exact = reference_history(resolved, ground=ground)
     assert angle > math.radians(0.5)
