@@ -108,12 +108,12 @@ def test_statistics_of_rows() -> None:
 
 @pytest.mark.slow
 def test_rigid_blocks_and_the_equation_have_one_distribution(tmp_path: Path) -> None:
-    """40 motions scaled to 2 g tan alpha: Kolmogorov-Smirnov distance below 0.15.
+    """24 motions scaled to 2 g tan alpha: Kolmogorov-Smirnov distance below 0.15.
 
     A motion of many impacts is chaotic: some blocks overturn in one of both alone, as often in the
     one as in the other (McNemar's test, two standard deviations).
     """
-    words = ["--count", "40", "--levels", "0.5", "--engines", "rigid,ode"]
+    words = ["--count", "24", "--levels", "0.5", "--engines", "rigid,ode"]
     assert study(tmp_path / "out", *words) == 0
     (apart,) = json.loads((tmp_path / "out" / "summary.json").read_text())["distances"]
     assert apart["angle"] < 0.15
@@ -122,7 +122,7 @@ def test_rigid_blocks_and_the_equation_have_one_distribution(tmp_path: Path) -> 
         overturned[found["engine"]].append(bool(found["block.overturned_at_s"]))
     pairs = list(zip(overturned["rigid"], overturned["ode"], strict=True))
     alone = pairs.count((True, False)), pairs.count((False, True))
-    assert sum(alone) <= 8
+    assert sum(alone) <= 6
     assert abs(alone[0] - alone[1]) <= 2 * math.sqrt(sum(alone))
 
 
