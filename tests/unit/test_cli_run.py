@@ -85,6 +85,7 @@ REFUSED: dict[str, tuple[str, str, list[str]]] = {
 """Text of a scene, an override, and the words of the refusal; all words: refusals.txt."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", REFUSED)
 def test_bad_input_is_one_line_and_touches_nothing(earlier: Path, case: str) -> None:
     """Not even with --force is anything of an earlier run removed before the input is good."""
@@ -229,6 +230,7 @@ def test_an_interrupted_run_leaves_all_it_has(
     assert "interrupted" in (folder / "run.log").read_text()
 
 
+@pytest.mark.slow
 def test_options_after_two_dashes_reach_snes(tmp_path: Path) -> None:
     pytest.importorskip("dolfinx")
     (tmp_path / "granite.toml").write_text(SCENE)
@@ -238,6 +240,7 @@ def test_options_after_two_dashes_reach_snes(tmp_path: Path) -> None:
     assert done.stdout.count("0 SNES Function norm") == 3  # one for each step
 
 
+@pytest.mark.slow
 def test_a_run_that_cannot_converge_says_where(tmp_path: Path) -> None:
     """One iteration is too few, and one halving all there is: exit code 3, the rest stays."""
     pytest.importorskip("dolfinx")

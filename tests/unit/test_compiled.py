@@ -57,6 +57,7 @@ print(outer(1.0))
 """
 
 
+@pytest.mark.slow
 @needs_numba
 def test_machine_code_is_kept_until_any_source_below_changes(tmp_path: Path) -> None:
     """A change of a constant that a function below holds, whose caller's file stays as it is."""
@@ -133,6 +134,7 @@ def _sizes(matrix: np.ndarray, count: int) -> float:
     return total
 
 
+@pytest.mark.slow
 @needs_numba
 def test_functions_linked_late_do_what_they_do_alone() -> None:
     """Their errors, too; called by one another, from Python, and by functions of others."""

@@ -59,6 +59,7 @@ def test_without_a_motion_there_is_nothing_to_say() -> None:
     assert cut_short(summary) == "" and "motion_end_s" not in summary
 
 
+@pytest.mark.slow
 def test_pages_and_tables_begin_with_it(tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
     said = "ends at 1.5 s, before its motion does at 2 s"

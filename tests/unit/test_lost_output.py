@@ -171,6 +171,7 @@ class TestStreams:
             assert len(History.read(scene.parent / "out" / "history.csv")) == 301
             assert (scene.parent / "out" / "summary.json").is_file()
 
+    @pytest.mark.slow
     def test_so_does_a_meshed_run(self, tmp_path: Path) -> None:
         """PETSc takes SIGPIPE for an error of its own, and would abort."""
         pytest.importorskip("dolfinx")

@@ -110,6 +110,7 @@ def test_factors_serve_a_block_that_lifts_on_one_side() -> None:
     assert solver.factorizations < 8
 
 
+@pytest.mark.slow
 def test_points_that_begin_to_slip_one_after_another_obey_the_law() -> None:
     W, places = half_space(18, 3)
     m, force, solver, slipping = len(places), np.zeros((324, 3)), ManyPoints(), []

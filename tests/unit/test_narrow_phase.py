@@ -126,6 +126,7 @@ def look(world: World, shapes: list[int], places: list[tuple[Array, Array]]) -> 
     return float(out[0]), out[1 : 1 + 4 * count].reshape(-1, 4)[:, 1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["any", "nearly parallel", "flush", "corner on corner"])
 @pytest.mark.parametrize(("d", "some"), [(2, some_polygon), (3, some_polyhedron)])
 def test_every_overlap_is_shown_and_no_other(

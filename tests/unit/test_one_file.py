@@ -210,6 +210,7 @@ for k in range(100000):
 """
 
 
+@pytest.mark.slow
 def test_a_killed_run_leaves_its_times(tmp_path: Path) -> None:
     """Between two times; whoever is killed within a write of HDF5 may leave no file at all."""
     chance = random.Random(3)

@@ -27,6 +27,7 @@ def run(folder: Path, *words: str, model: str = "elastic") -> subprocess.Complet
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "said", "count"),
     [
@@ -47,6 +48,7 @@ def test_taken_or_said_to_be_unknown_by_petsc(
     assert ("could be spelling mistake" in done.stdout) == ("Option left" in said)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "part"),
     [

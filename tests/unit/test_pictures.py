@@ -35,6 +35,7 @@ def curves_of(axes: Any) -> dict[str, Array]:
     return {line.get_label(): np.asarray(line.get_ydata()) for line in axes.lines}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("make", "names"),
     [
@@ -73,6 +74,7 @@ def test_bodies_in_space_need_vtk_that_draws(
     assert len(said.out.splitlines()) == 5
 
 
+@pytest.mark.slow
 def test_pictures_for_papers(tmp_path: Path) -> None:
     """As PDF and SVG, which are what their names say; a new run takes them away."""
     (tmp_path / "scene.toml").write_text(
@@ -255,6 +257,7 @@ def test_copies_of_cells_are_left_out_of_surfaces(tmp_path: Path) -> None:
     assert surface.bounds[:2] == pytest.approx((1.5, 2.5))
 
 
+@pytest.mark.slow
 def test_a_record_has_its_husid_plot_and_spectrum(tmp_path: Path) -> None:
     """Those of a sine: half of the intensity in half of the time, resonance at its period."""
     from solver.pictures.ground import draw_motion, sampled_motions

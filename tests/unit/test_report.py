@@ -45,6 +45,7 @@ def test_the_page_of_a_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
     assert parse_scene((folder / "scene.toml").read_text())
 
 
+@pytest.mark.slow
 def test_the_film_stands_on_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """It is made once."""
     from solver.pictures import film

@@ -126,6 +126,7 @@ def test_to_the_byte_from_where_contact_changes(
         assert (folder / "history.csv").read_bytes() == text, chosen
 
 
+@pytest.mark.slow
 def test_what_is_killed_ten_times_ends_the_same(tmp_path: Path) -> None:
     """By SIGKILL, at random times after a new checkpoint; interpreted, so that there is time."""
     text = RIGID + "tilt_deg = 1.0\n" + SHAKEN + "[time]\nend = 1.0\nstep = 1e-4\n"

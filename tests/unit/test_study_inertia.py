@@ -167,6 +167,7 @@ def contents(folder: Path) -> dict[str, bytes]:
     return {file.name: file.read_bytes() for file in folder.iterdir() if file.is_file()}
 
 
+@pytest.mark.slow
 def test_what_it_leaves(folder: Path) -> None:
     assert contents(folder).keys() >= LEFT | {"lambda.png", "map_sliding_block.png", "roots.png"}
     with (folder / "inertia.csv").open(encoding="utf-8") as stream:
@@ -196,6 +197,7 @@ def test_the_page_stands_alone(folder: Path) -> None:
         assert value.source in page.text
 
 
+@pytest.mark.slow
 def test_it_goes_on_with_what_is_missing(folder: Path, tmp_path: Path) -> None:
     """Half of its runs removed: the same files to the byte; another map takes what there is."""
     again = tmp_path / "out"
@@ -212,6 +214,7 @@ def test_it_goes_on_with_what_is_missing(folder: Path, tmp_path: Path) -> None:
     assert {file: file.stat().st_mtime_ns for file in (again / "cases").iterdir()} == times
 
 
+@pytest.mark.slow
 def test_as_many_motions_as_an_interval_needs(tmp_path: Path) -> None:
     """Without slip the first round is enough; --count is the most."""
     words = ["--of", "friction=1.5", "--within", "0.05", "--count", "50", "-q", "-j", "1"]
@@ -220,6 +223,7 @@ def test_as_many_motions_as_an_interval_needs(tmp_path: Path) -> None:
     assert summary["motions"] == 30
 
 
+@pytest.mark.slow
 def test_rigid_blocks_beside_the_sliding_block(tmp_path: Path) -> None:
     """A squat block and a slender one that rocks; a motion with PGA as the measure of friction."""
     words = ["--of", "aspect=0.5,4", "friction_over_pga=0.5", "--by", "rigid", "--count", "1"]

@@ -12,6 +12,7 @@ from solver.rigid.system import Advance, RigidSystem
 pytestmark = pytest.mark.serial
 
 
+@pytest.mark.slow
 def test_long_steps_of_rigid_blocks_are_few_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """The first 40 steps take no time and the others 0.1 s: the limit was looked at after 200."""
     advance, asked = RigidSystem.advance, [0]

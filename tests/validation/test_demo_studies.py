@@ -57,6 +57,7 @@ def module_of(name: str, script: str) -> ModuleType:
     return importlib.import_module(f"demos.{name}.{script}")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", list(DEMOS))
 def test_its_checks_hold_and_can_fail(
     name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -59,6 +59,7 @@ def run() -> Result:
     return simulate(scene())
 
 
+@pytest.mark.slow
 def test_impacts_lose_what_they_lose_in_the_limit_of_small_steps(run: Result) -> None:
     """Fixed steps of 1e-3 s, as many, give .91, and the third impact 5 % too early."""
     assert impacts(run, "restitution") == pytest.approx([RESTITUTION] * 3, abs=1e-3)

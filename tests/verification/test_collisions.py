@@ -188,6 +188,7 @@ class Pounding:
                 yield when, *before, left.velocity, right.velocity
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("restitution", [0.5, 0.8])
 def test_neighbours_pound_as_their_equation_says(restitution: float) -> None:
     """0.1 m apart, e from their pair: first five impacts within 0.2 % in time and velocities.

@@ -90,6 +90,7 @@ def test_without_them() -> None:
     assert np.isfinite(lost["contact_J"])
 
 
+@pytest.mark.slow
 def test_adaptive_steps_need_none() -> None:
     """They resolve what vibrates; where it is asked for, time is counted in first steps."""
     scene = thrown(1e9, 0.3, 2e-3, "time.adaptive=true")

@@ -54,6 +54,7 @@ def test_that_of_a_block_is_that_of_the_scene() -> None:
     assert not lost(run({"damping": {}}, damping=GIVEN)).any()
 
 
+@pytest.mark.slow
 def test_that_of_a_frame_is_its_own() -> None:
     """Under a rigid block, that of the frame alone; under an elastic one, either or both."""
     on_rigid = run({"model": "rigid"}, foundation=FRAME | {"damping": GIVEN})

@@ -93,6 +93,7 @@ def completed(asked: Scene) -> Result:
     return result
 
 
+@pytest.mark.slow
 def test_a_scene_that_says_nothing_is_damped_and_zero_is_none() -> None:
     """By default material damping takes most of what an impact loses, and no caution is given."""
     result = completed(rocking())

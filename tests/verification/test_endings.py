@@ -49,6 +49,7 @@ def overturning(engine: str, stop: str) -> Result:
     return simulate(scene(engine, *blocks, time={"end": 1.5, "step": 2e-3, "stop": stop}))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("engine", ENGINES)
 def test_a_run_ends_with_the_block_that_overturned(engine: str) -> None:
     """With the first row beyond 2 alpha; the rows up to there are those of the run that goes on."""

@@ -31,6 +31,7 @@ def shaken(foundation: dict[str, Any], **upper: float) -> Result:
     return simulate(parse_scene(tables))
 
 
+@pytest.mark.slow
 def test_the_upper_one_slides_and_stays_level() -> None:
     plate = {
         **{"kind": "elastic", "width": 6.0, "thickness": 8.0, "height": 0.5},

@@ -45,6 +45,7 @@ def sliding_off(block: dict[str, Any]) -> dict[str, Any]:
     }
 
 
+@pytest.mark.slow
 def test_far_interfaces_left_out_change_no_digit(monkeypatch: pytest.MonkeyPatch) -> None:
     """The same digits to the end, where the edge of the plate has come into play."""
     scene = sliding_off({"model": "rigid"}) | {"foundation": PLATE | {"meshed": True}}

@@ -33,6 +33,7 @@ def felt(time: dict[str, Any]) -> dict[str, float]:
     return {name: own["friction_mass_ratio"] for name, own in blocks.items()}
 
 
+@pytest.mark.slow
 def test_beside_a_block_that_rocks() -> None:
     """Rows beside its impacts are as large as steps are short: they once gave 0.004 for 0.19."""
     coarse, fine = felt({"step": 4e-3}), felt({"step": 1e-3})

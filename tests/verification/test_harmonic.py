@@ -43,6 +43,7 @@ def test_steady_rocking_has_no_horizon() -> None:
     assert horizon(scene, *runs) is None
 
 
+@pytest.mark.slow
 def test_a_history_that_its_tolerance_decides_has_a_horizon() -> None:
     """A finer one leans otherwise; a millionth of the motion changes nothing to the end."""
     block = SIZE | STONE | {"young": 5e9, "cells": [2, 6]}

@@ -142,6 +142,7 @@ def test_known_numbers(period: float) -> None:
         assert found[3].arithmetic.value == pytest.approx(1.0, abs=0.002)
 
 
+@pytest.mark.slow
 def test_without_slip_everything_counts_and_without_friction_nothing() -> None:
     stuck, free = findings([1e3, 1e-5], suite(6))
     assert stuck.arithmetic.value == pytest.approx(1.0, abs=0.002)
@@ -158,6 +159,7 @@ def test_a_light_load_says_nothing() -> None:
         assert finding.remark.startswith("not reported")
 
 
+@pytest.mark.slow
 def test_sliding_is_homogeneous() -> None:
     """Friction and motion times a factor: lambda stays, drift grows by it."""
     factor = 1.7
@@ -169,6 +171,7 @@ def test_sliding_is_homogeneous() -> None:
     assert other.drift == pytest.approx(factor * one.drift, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_pga_is_no_axis_of_its_own() -> None:
     """Motions scaled to 1 g with mu are motions of any size with mu g/PGA."""
     (motion,) = suite(1)

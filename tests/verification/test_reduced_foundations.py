@@ -95,6 +95,7 @@ def test_peaks_of_a_reduced_frame_under_a_record() -> None:
         assert small == pytest.approx(full, rel=2e-3), column
 
 
+@pytest.mark.slow
 def test_all_modes_are_the_mesh() -> None:
     """Drift and base shear to 1e-8 of their peaks, for loads that strain nothing.
 
@@ -160,6 +161,7 @@ def test_modes_left_out_take_no_more_than_the_bound() -> None:
     assert bounds == sorted(bounds) and bounds[-1] > bounds[0]
 
 
+@pytest.mark.slow
 def test_a_plate_on_rollers_and_a_frame_in_space() -> None:
     """Drift and slip within 0.1 % of their peaks, with "auto"."""
     stone = {"young": 5e10, "poisson": 0.2}
@@ -236,6 +238,7 @@ def test_what_cannot_be_reduced_is_refused(
     assert refused.value.exit_code == 2
 
 
+@pytest.mark.slow
 def test_stress_of_a_frame_that_sways(tmp_path: Path) -> None:
     """Feet of columns carry in the fields what those of the whole mesh do, however far it sways.
 

@@ -219,6 +219,7 @@ def test_energy_is_lost_at_impacts_alone(ratio: float, restitution: float | None
         assert change[rows][:5].max() < 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("restitution", [None, 0.936])
 def test_momentum_is_what_spring_and_dashpot_give(restitution: float | None) -> None:
     """Horizontally, impacts included: an independent integral of the forces."""

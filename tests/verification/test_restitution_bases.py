@@ -207,6 +207,7 @@ def test_a_squat_elastic_block_that_hops_has_none(tilt: float) -> None:
     assert f"none: {HOPS} ({len(impacts)})" in report(summary)
 
 
+@pytest.mark.slow
 def test_of_a_rigid_block_on_a_deck_that_bends() -> None:
     """An impact on it takes time: the rows beside its instant lie within it, and told 0.995.
 

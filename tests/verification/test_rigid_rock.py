@@ -202,6 +202,7 @@ class Swing:
         return float(history["time_s"][last] + rest[last])
 
 
+@pytest.mark.slow
 @in_both
 def test_an_impact_anywhere_in_a_step_obeys_the_law(d: int) -> None:
     """Random ones in the last hundredth of a step: 40 % in the plane, 6 % in space were wrong."""

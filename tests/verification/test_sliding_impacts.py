@@ -67,6 +67,7 @@ def blocks_that_slide() -> list[Any]:
     return [released(*rng.uniform(low, high)) for _ in range(8)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tables", blocks_that_slide())
 def test_of_any_block_and_tolerance(tables: dict[str, Any]) -> None:
     """Each slid the wrong way after the impact, and rocked too little, at one of the tolerances."""

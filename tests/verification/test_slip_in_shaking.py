@@ -16,6 +16,7 @@ CHOSEN = {("default", "DC 20"), ("rigid, space", "DC 100")}
 """Scenes that stand for all that the stability study compares."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "case",
     [case for case in FAMILY.cases() if (case.row, case.column) in CHOSEN],

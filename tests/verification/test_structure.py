@@ -92,6 +92,7 @@ def test_stress_of_columns_is_that_of_their_own_material(
     np.testing.assert_allclose(stress, -0.5 * carried * G / 0.1, rtol=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("ratio", "modes"), [(0.02, {}), (0.05, {"modes": "auto"})])
 def test_free_vibration_of_a_frame_decays_by_its_damping_ratio(
     ratio: float, modes: dict[str, Any]

@@ -154,6 +154,7 @@ def test_a_block_of_four_times_the_size_begins_alike(tables: Tables, engine: str
     assert there.mode(scenes[1].blocks[0].shape, 0.4, 9.81) == "slide-rock"
 
 
+@pytest.mark.slow
 def test_the_maps_of_rigid_blocks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """All points outside the band agree, on four slendernesses; nothing is run twice."""
     pytest.importorskip("matplotlib")

@@ -78,6 +78,7 @@ def test_half_sines_without_an_impact(
     assert amplitude == pytest.approx(linear, rel=0.005)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("frequency", "restitution"), [(1, None), (3, None), (6, 0.936)])
 def test_both_modes_of_one_sine_and_the_island(
     tables: Tables, frequency: float, restitution: float | None
@@ -190,6 +191,7 @@ def test_boundaries_near_a_rigid_one() -> None:
     assert near(up(2.03), 2.0, STAYS, LATER, 2e-3) is None  # what another boundary leads to
 
 
+@pytest.mark.slow
 def test_the_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Tables and pictures; frequencies are added; a second call runs what is new only."""
     pytest.importorskip("matplotlib")

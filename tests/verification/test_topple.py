@@ -28,6 +28,7 @@ def topple(material: str, *, tolerance: float) -> Result:
     return simulate(parse_scene(tables))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("material", MATERIALS)
 def test_a_toppled_block_lands_and_stays_down(material: str) -> None:
     landings = []
