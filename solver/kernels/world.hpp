@@ -995,27 +995,39 @@ template <int d> class World {
     /// Adds to the slip of each body the mean way of the contacts with what carries it, or that of its
     /// lowest corner.
     void follow_slips(Attempt& A, double dt) {
-        for (int b : A.members) {
-            if (carriers[b].empty() || shapes[bodies[b].shape].is_half_space()) continue;
-            const int carrier = carriers[b][0];
-            const Mat<d, d> frame = mean(A.start[carrier].at.R, A.end[carrier].R);
-            Vec<d> way{};
-            int closed = 0;
-            for (const C& k : A.contacts) {
-                const bool upper_has_point = k.feature.point_body == b && carries(k.feature.face_body, b);
-                const bool upper_has_face = k.feature.face_body == b && carries(k.feature.point_body, b);
-                if ((!upper_has_point && !upper_has_face) || k.state == OPEN) continue;
-                Vec<d> moved = mul(k.rows_a, A.w[k.feature.point_body]);
-                if (bodies[k.feature.face_body].moves()) moved += mul(k.rows_b, A.w[k.feature.face_body]);
-                Vec<d> slipped{};
-                const double sign = upper_has_point ? 1 : -1;
-                for (int i = 1; i < d; i++) slipped += (sign * 0.5 * dt * moved[i]) * axis(k, i);
-                way += transposed_mul(frame, slipped);
-                closed++;
-            }
-            if (closed) slip[b] += (1.0 / closed) * way;
-            else slip[b] += way_in_flight(A, b, carrier);
+        ways_.resize(bodies.size());
+        for (int b : A.members) ways_[b] = {};
+        for (const C& k : A.contacts) {
+            if (k.state == OPEN) continue;
+            const int point = k.feature.point_body, face = k.feature.face_body;
+            const bool upper_has_point = carries(face, point);
+            if (!upper_has_point && !carries(point, face)) continue;
+            const int b = upper_has_point ? point : face;
+            Vec<d> moved = mul(k.rows_a, A.w[point]);
+            if (bodies[face].moves()) moved += mul(k.rows_b, A.w[face]);
+            Vec<d> slipped{};
+            const double sign = upper_has_point ? 1 : -1;
+            for (int i = 1; i < d; i++) slipped += (sign * 0.5 * dt * moved[i]) * axis(k, i);
+            ways_[b].sum += transposed_mul(carrier_frame(A, b), slipped);
+            ways_[b].contacts++;
         }
+        for (int b : A.members) {
+            if (carriers[b].empty()) continue;
+            const Way& way = ways_[b];
+            slip[b] += way.contacts ? (1.0 / way.contacts) * way.sum : way_in_flight(A, b, carriers[b][0]);
+        }
+    }
+
+    /// Sum of the ways of some contacts of a body over what carries it, along the axes of that.
+    struct Way {
+        Vec<d> sum{};
+        int contacts = 0;
+    };
+
+    /// Mean of the rotations at both ends of a step of the first body that carries one.
+    Mat<d, d> carrier_frame(const Attempt& A, int b) const {
+        const int carrier = carriers[b][0];
+        return mean(A.start[carrier].at.R, A.end[carrier].R);
     }
 
     /// What is told of a pair, made where there is nothing; pairs stand in their order.
@@ -1666,6 +1678,7 @@ template <int d> class World {
     std::deque<Attempt> attempts_;
     std::vector<int> moving_, fixed_, root_, local_, island_of_;
     std::vector<double> wide_;
+    std::vector<Way> ways_;
     std::vector<Vec<d>> step_impulse_, before_;
     std::vector<State> state_;
     std::vector<Motion> velocity_, pushed_;
