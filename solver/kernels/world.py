@@ -52,13 +52,13 @@ class Body:
     mobility: Mobility = Mobility.FREE
     mass: float = 1.0
     thickness: float = 1.0
-    """Of a body in the plane."""
+    """Thickness of a body in the plane, m."""
     inertia: ArrayLike = 1.0
     """Principal moments about the centre, kg m2: one in the plane, three in space."""
     stiffness: float = 0.0
-    """Of a platform, N/m."""
+    """Stiffness of a platform's spring, N/m."""
     damping: float = 0.0
-    """Of a platform, N s/m."""
+    """Coefficient of a platform's dashpot, N s/m."""
     spring_force: ArrayLike = 0.0
     """Inertia force of a platform against its spring, N, (d,)."""
     centre: ArrayLike = 0.0
@@ -87,14 +87,14 @@ class Steps:
     slip: Array
     """Over what carries it, along the axes of that body, (..., d)."""
     impulse: Array
-    """That the body received in the step from all that it does not carry, N s, (..., d)."""
+    """Impulse on the body in the step from what it stands on, N s, (..., d)."""
     penetration: Array
     stored: Array
     """Kinetic, gravity and spring energy, J, (steps, 3)."""
     exchanged: Array
     """Energy taken in; lost by friction, damping, contact and time stepping, J, (steps, 5)."""
     ground_impulse: Array
-    """Of a platform on the ground in the step, N s, (steps, d)."""
+    """Impulse of a platform on the ground in the step, N s, (steps, d)."""
     closed: Array
     """Number of closed contacts."""
     iterations: Array

@@ -185,7 +185,7 @@ def has_ends(scene: Scene, block: BlockSpec) -> bool:
 
 
 def _carriers(scene: Scene, history: Columns, block: BlockSpec) -> Iterator[tuple[Boxes, Array]]:
-    """Of each top that carries a block: middle and axes over the rows, and half its lengths."""
+    """Tops that carry a block: middle and axes of each over the rows, and half its lengths."""
     dimension = scene.dimension
     for carrier in scene.carriers_of(block):
         below = boxes(history, carrier)

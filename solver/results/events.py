@@ -256,7 +256,7 @@ class _Meetings:
         self._taken: set[Meeting] = set()
 
     def saved(self) -> dict[str, Any]:
-        """Those that wait, in the types of a checkpoint."""
+        """Meetings that wait for their rows, in the types of a checkpoint."""
         rows = [[getattr(met, f.name) for f in fields(Meeting)] for met in self._waiting]
         return {"rows": rows, "taken": [met in self._taken for met in self._waiting]}
 
@@ -277,7 +277,7 @@ class _Meetings:
         return math.sqrt(2 * self._gravity * SMALLEST_LIFT * min(widths))
 
     def take(self, block: BlockSpec, time: float, begin: float, end: float) -> Meeting | None:
-        """That of a block with what is below it nearest to a time, between two others, s.
+        """The meeting of a block with what is below it that is nearest to a time, in an interval, s.
 
         All with the same body from the beginning to the end are one. It is an event from here on.
         """
