@@ -277,7 +277,7 @@ class _Meetings:
         return math.sqrt(2 * self._gravity * SMALLEST_LIFT * min(widths))
 
     def take(self, block: BlockSpec, time: float, begin: float, end: float) -> Meeting | None:
-        """The meeting of a block with what is below it that is nearest to a time, in an interval, s.
+        """The meeting of a block with what is below it that is nearest to a time, between two, s.
 
         All with the same body from the beginning to the end are one. It is an event from here on.
         """
@@ -303,7 +303,7 @@ class _Meetings:
         return other in block.carriers or up > UPWARDS
 
     def collisions(self, searched: dict[str, float]) -> Iterator[Event]:
-        """Those that are no other event up to the times to which blocks were searched, s."""
+        """Meetings that are no other event up to the times to which blocks were searched, s."""
         waiting = []
         for met in self._waiting:
             names = (met.first, met.second)
