@@ -110,7 +110,8 @@ template <int d> class LocalProblem {
             kept_.resize(count);
             anchor_.resize(count);
             for (std::size_t i = 0; i < count; i++) kept_[i] = anchor_[i] = island.contacts[i]->impulse;
-            const double next = newton(island, SOFTNESS, FULL_STEPS + 8) ? error(island, 0) : INFINITY;
+            const bool settled = newton(island, SOFTNESS, FULL_STEPS + 8, std::min(enough, 1.0));
+            const double next = settled || at_rest ? error(island, 0) : INFINITY;
             if (next < e) {
                 const bool stalls = next > 0.5 * e;
                 e = next;
@@ -287,7 +288,7 @@ template <int d> class LocalProblem {
     /// Newton's method on the law with the proximal term. Full steps come first, which are quick where
     /// they converge; where friction couples contacts that open, stick and slide in turn they cycle,
     /// and later steps must reduce the merit, from where it was least.
-    bool newton(I& island, double softness, int rounds) {
+    bool newton(I& island, double softness, int rounds, double target = 1) {
         const std::size_t count = island.contacts.size();
         stiffness_.resize(count);
         change_.resize(count);
@@ -299,7 +300,7 @@ template <int d> class LocalProblem {
         BlockLU<unknowns>* factors = nullptr;
         double least = INFINITY, past = INFINITY, e = error(island, softness);
         for (int round = 0;; round++) {
-            if (e <= 1) return true;
+            if (e <= target) return true;
             if (round == rounds || !(e < INFINITY)) return false;
             const bool full = round < FULL_STEPS;
             if (round <= FULL_STEPS && merit_ < least) {
@@ -322,7 +323,7 @@ template <int d> class LocalProblem {
             take_step(island, *factors);
             move(island);
             e = error(island, softness);
-            if (full || e <= 1 || merit_ <= 0.999 * merit_before) continue;
+            if (full || e <= target || merit_ <= 0.999 * merit_before) continue;
             outcomes.searched++;
             e = search(island, softness, merit_before);
         }
