@@ -21,6 +21,7 @@ import numpy as np
 from scipy.spatial import ConvexHull
 
 from solver.kernels.world import Body, Mobility, World
+from solver.rigid.rows import rotation_matrices
 from solver.types import Array
 
 GRAVITY = 9.81
@@ -51,10 +52,15 @@ class Outcome:
         return self.completed and max(self.gain, self.ledger) < GAIN and self.overlap < OVERLAP
 
 
+def _corners(half: Array) -> Array:
+    """Corners of a box about its centre, by half its edges."""
+    signs = np.array(np.meshgrid(*[(-1, 1)] * len(half))).reshape(len(half), -1).T
+    return np.asarray(signs * half)
+
+
 def _box(d: int, random: np.random.Generator) -> Array:
-    """Corners of a box about its centre."""
-    signs = np.array(np.meshgrid(*[(-1, 1)] * d)).reshape(d, -1).T
-    return np.asarray(signs * random.uniform(0.1, 0.3, d))
+    """Corners of a box of random size."""
+    return _corners(random.uniform(0.1, 0.3, d))
 
 
 def _hull(d: int, random: np.random.Generator) -> Array:
@@ -102,11 +108,10 @@ class Assembly:
         density = 2000.0 * 10 ** float(random.uniform(-2, 2))
         angle = float(random.uniform(0, 2 * np.pi)) if turned else 0.0
         rotation: Array = np.array([angle])
-        turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
         if d == 3:
             four = random.normal(size=4) if turned else np.array([1.0, 0.0, 0.0, 0.0])
             rotation = four / np.linalg.norm(four)
-            turn = _matrix(rotation)
+        turn = rotation_matrices(rotation)
         place = lowest.copy()
         place[-1] -= float((corners @ turn.T)[:, -1].min())
         world = self.world
@@ -144,20 +149,7 @@ class Assembly:
         size = np.array([0.4, 0.2]) if self.d == 2 else np.array([0.4, 0.2, 0.2])
         low = np.zeros(self.d)
         low[0], low[-1] = 0.402 * place + 0.201 * (course % 2), 0.2 * course
-        signs = np.array(np.meshgrid(*[(-1, 1)] * self.d)).reshape(self.d, -1).T
-        self._add(signs * size / 2, low, 0.0, False)
-
-
-def _matrix(q: Array) -> Array:
-    """Rotation matrix of a quaternion."""
-    w, x, y, z = q
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )
+        self._add(_corners(size / 2), low, 0.0, False)
 
 
 def _faces(corners: Array) -> list[list[int]]:

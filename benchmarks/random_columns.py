@@ -21,7 +21,6 @@ import numpy as np
 from rockslip import Scene, parse_scene
 from solver.excitation.motion import read_ground
 from solver.rigid.system import RigidBlock, RigidSystem, blocks_of
-from solver.scheme.generalized_alpha import GeneralizedAlpha
 
 END = 3.0
 
@@ -82,8 +81,8 @@ def turned(blocks: list[RigidBlock], seed: int) -> list[RigidBlock]:
 
 def run(scene: Scene, seed: int) -> dict[str, Any]:
     """Run a column; returns its results."""
-    step, scheme = scene.time.step, GeneralizedAlpha(scene.time.rho_inf)
-    system = RigidSystem(turned(blocks_of(scene), seed), scheme)
+    step = scene.time.step
+    system = RigidSystem.from_scene(scene, turned(blocks_of(scene), seed))
     count, motion = round(scene.time.end / step), read_ground(scene)
     times = np.arange(count + 1) * step
     ground, mean = motion.accelerations(times), motion.means(times)

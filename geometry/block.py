@@ -5,6 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields
 
+FACES = (
+    *((3, 2, 1, 0), (4, 5, 6, 7)),
+    *((0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)),
+)
+"""Numbers of the corners around each face of a block in space, anticlockwise from outside: those of
+the bottom, the top, the sides; corners as `Block.corners` has them, which is VTK's order, too."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Block:

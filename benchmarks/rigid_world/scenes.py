@@ -11,7 +11,6 @@ import numpy as np
 
 from rockslip import Scene
 from solver.rigid.system import RigidSystem, blocks_of
-from solver.scheme.generalized_alpha import GeneralizedAlpha
 
 Tables = dict[str, Any]
 
@@ -158,4 +157,4 @@ def turned(scene: Scene, seed: int, most: float = 0.3) -> RigidSystem:
         c, s = math.cos(angle), math.sin(angle)
         turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
         blocks.append(replace(block, pose=replace(block.pose, rotation=turn)))
-    return RigidSystem(blocks, GeneralizedAlpha(scene.time.rho_inf))
+    return RigidSystem.from_scene(scene, blocks)

@@ -37,10 +37,11 @@ def lean_in_space(rotation: Array, before: float) -> float:
     return float(lean + 2 * math.pi * np.round((before - lean) / (2 * math.pi)))
 
 
-def write_plane_motion(row: Array, angle: float, spin: float, centre: Array) -> None:
+def write_plane_motion(row: Array, angle: Any, spin: Any, centre: Array) -> None:
     """Fill in the columns of a block in the plane that follow from its motion.
 
-    By its angle (rad), its angular velocity (rad/s) and its centre (m).
+    By its angle (rad), its angular velocity (rad/s) and its centre (m); or, as all of them, by
+    arrays over rows, which then are the second axis of `row`.
     """
     row[PLANE.angle_rad], row[PLANE.angular_velocity_rad_s] = angle, spin
     row[PLANE.centre_x_m], row[PLANE.centre_y_m] = centre[0], centre[1]
@@ -49,7 +50,8 @@ def write_plane_motion(row: Array, angle: float, spin: float, centre: Array) -> 
 def write_space_motion(row: Array, angles: Array, spin: Array, centre: Array) -> None:
     """Fill in the columns of a block in space that follow from its motion.
 
-    By lean and rotation vector (rad), angular velocity in space (rad/s) and centre (m).
+    By lean and rotation vector (rad), angular velocity in space (rad/s) and centre (m); rows as in
+    `write_plane_motion`.
     """
     row[SPACE.angle_rad], row[SPACE.angle_x_rad] = angles[0], angles[1]
     row[SPACE.angle_y_rad], row[SPACE.angle_z_rad] = angles[2], angles[3]

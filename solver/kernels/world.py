@@ -34,6 +34,33 @@ FALLBACKS = {
 """Methods behind Newton's with full steps, by the counts that have them."""
 
 
+def _turns(d: int) -> int:
+    """Number of rotations of a body."""
+    return 1 if d == 2 else 3
+
+
+def _body_widths(d: int) -> tuple[int, ...]:
+    """Widths of what the library writes of a body: `STATE` of `module.cpp`."""
+    turns = _turns(d)
+    return d, 1 if d == 2 else 4, d, turns, turns, d, d, 1
+
+
+def _step_widths(d: int) -> tuple[int, ...]:
+    """Widths of what it writes of a step: `TOTALS`."""
+    return 3, 5, d, 3
+
+
+def _collision_widths(d: int) -> tuple[int, ...]:
+    """Widths of what it writes of a collision: `world_collisions`."""
+    turns = _turns(d)
+    return 4, d, d, 3, turns, turns, d, 1
+
+
+def _parted(numbers: Array, widths: Sequence[int]) -> list[Array]:
+    """Numbers cut along their last axis into parts of some widths."""
+    return np.split(numbers, np.cumsum(widths)[:-1], axis=-1)
+
+
 class Mobility(IntEnum):
     """How a body moves."""
 
@@ -105,13 +132,10 @@ class Steps:
     @classmethod
     def split(cls, d: int, of_bodies: Array, of_steps: Array) -> Steps:
         """The fields, by the numbers as the library writes them."""
-        turns = 1 if d == 2 else 3
-        widths = (d, 1 if d == 2 else 4, d, turns, turns, d, d)
-        ends = np.cumsum(widths)
-        centre, rotation, velocity, spin, turned, slip, impulse, last = np.split(
-            of_bodies, ends, axis=-1
+        centre, rotation, velocity, spin, turned, slip, impulse, last = _parted(
+            of_bodies, _body_widths(d)
         )
-        stored, exchanged, ground, counts = np.split(of_steps, (3, 8, 8 + d), axis=-1)
+        stored, exchanged, ground, counts = _parted(of_steps, _step_widths(d))
         return cls(
             centre=centre,
             rotation=rotation,
@@ -173,9 +197,9 @@ class Collision:
     @classmethod
     def read(cls, d: int, row: Array) -> Collision:
         """A collision by the numbers as the library writes them."""
-        turns = 1 if d == 2 else 3
-        ends = np.cumsum([4, d, d, 3, turns, turns, d])
-        when, place, normal, speeds, spin, later_spin, impulse, energy = np.split(row, ends)
+        when, place, normal, speeds, spin, later_spin, impulse, energy = _parted(
+            row, _collision_widths(d)
+        )
         return cls(
             time=float(when[0]),
             first=int(when[1]),
@@ -245,7 +269,7 @@ class World:
 
     def add(self, body: Body) -> None:
         """Add a body; bodies are numbered in the order in which they are added."""
-        d, turns = self._d, 1 if self._d == 2 else 3
+        d, turns = self._d, _turns(self._d)
         at_rest = 0.0 if d == 2 else (1.0, 0.0, 0.0, 0.0)
         turned = body.rotation if np.any(body.rotation) else at_rest
         parts = [
@@ -309,14 +333,13 @@ class World:
         return Steps.split(self._d, of_bodies, of_steps)
 
     def _room(self, count: int) -> tuple[Array, Array]:
-        d = self._d
-        width = 12 if d == 2 else 23
-        return np.empty((count, self._count, width)), np.empty((count, 11 + d))
+        of_bodies, of_step = sum(_body_widths(self._d)), sum(_step_widths(self._d))
+        return np.empty((count, self._count, of_bodies)), np.empty((count, of_step))
 
     def collisions(self) -> list[Collision]:
         """The collisions since the last call."""
         number, d = self._library.world_collisions(self._handle, None), self._d
-        out = np.empty((number, 8 + 3 * d + 2 * (1 if d == 2 else 3)))
+        out = np.empty((number, sum(_collision_widths(d))))
         self._library.world_collisions(self._handle, _place(out))
         return [Collision.read(d, row) for row in out]
 

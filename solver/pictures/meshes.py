@@ -9,15 +9,13 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
+from geometry.block import FACES
 from solver.fields.ground import platform_corners
 from solver.pictures.contact import BlockFrames, block_poses
 from solver.pictures.style import largest
 from solver.results.runs import Run
 from solver.scene import BlockSpec
 from solver.types import Array
-
-#: Faces of a hexahedron in VTK's order of its corners, outwards.
-SIDES = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
 
 #: Snapshots that the range of the colours of a film is taken from.
 SAMPLED = 25
@@ -178,7 +176,7 @@ def _box(corners: Array) -> Any:
     """A box by its corners."""
     import pyvista
 
-    sides = SIDES if corners.shape[1] == 3 else ((0, 1, 2, 3),)
+    sides = FACES if corners.shape[1] == 3 else ((0, 1, 2, 3),)
     points = np.pad(corners, ((0, 0), (0, 3 - corners.shape[1])))
     return pyvista.PolyData(points, faces=np.array([(4, *side) for side in sides]).ravel())
 

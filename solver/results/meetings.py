@@ -41,7 +41,10 @@ def meetings(
     deepest = contacts.deepest if contacts is not None else _deepest(scene, history)
     depth, at, *names = deepest or (None, None)
     met = [e for e in events if e.kind in STRIKING and e.meets != GROUND]
-    pounding = [e for e in met if e.kind == "collision" and _are_neighbours(scene, e)]
+    blocks = {block.name: block for block in scene.blocks}
+    pounding = [
+        e for e in met if e.kind == "collision" and blocks[e.block].is_beside(blocks[e.meets])
+    ]
     most = max(pounding, key=lambda event: event.impulse_Ns, default=None)
     unsettled = None
     if contacts is not None and contacts.unsettled:
@@ -60,13 +63,6 @@ def meetings(
 def _told(event: Event) -> dict[str, Any]:
     """Time and names of a collision."""
     return {"time_s": event.time_s, "between": [event.block, event.meets]}
-
-
-def _are_neighbours(scene: Scene, event: Event) -> bool:
-    """True if of two blocks that met neither carries the other."""
-    carriers = {block.name: block.carriers for block in scene.blocks}
-    one, other = event.block, event.meets
-    return other not in carriers[one] and one not in carriers[other]
 
 
 def _deepest(scene: Scene, history: History) -> tuple[float, float, str, str] | None:

@@ -44,15 +44,12 @@ class Run:
         return read_pairs(file) if file.is_file() else {}
 
     def neighbours(self) -> dict[tuple[str, str], dict[str, Array]]:
-        """The same for blocks of which neither carries the other."""
-        carriers = {block.name: block.carriers for block in self.scene.blocks}
+        """The pairs of blocks of which neither carries the other."""
+        blocks = {block.name: block for block in self.scene.blocks}
         return {
             (one, other): known
             for (one, other), known in self.pairs().items()
-            if one in carriers
-            and other in carriers
-            and one not in carriers[other]
-            and other not in carriers[one]
+            if {one, other} <= blocks.keys() and blocks[one].is_beside(blocks[other])
         }
 
     @property

@@ -6,16 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from solver.history.block_columns import has_lost_carrier
+from solver.history.block_columns import (
+    has_lost_carrier,
+    write_plane_motion,
+    write_space_motion,
+)
 from solver.history.columns import RowLayout, positions
 from solver.kernels.world import Steps
 from solver.types import Array
-
-#: Bottom corners in the order of the gaps, in units of half the edges.
-BOTTOM = {
-    2: np.array([(-1, -1), (1, -1)]),
-    3: np.array([(-1, -1, -1), (1, -1, -1), (1, 1, -1), (-1, 1, -1)]),
-}
 
 
 def rotation_matrices(rotation: Array) -> Array:
@@ -45,24 +43,29 @@ def quaternion_of(rotation: Array) -> Array:
 class BlockRows:
     """Writer of the columns of blocks."""
 
-    def __init__(self, half: Array, carriers: Sequence[int]):
-        """Keep half the edges of the blocks, (n, d), and the numbers of their carriers."""
-        self._half, self._carriers = half, carriers
-        self._d = half.shape[1]
-        self._at = positions("block", self._d)
+    def __init__(self, corners: Array, carriers: Sequence[int]):
+        """Keep corners about centres, first those of the bottom, and the numbers of carriers.
 
-    def lean(self, steps: Steps, before: Array) -> Array:
-        """Lean towards +x of all blocks after steps, carried on, rad, (steps, n)."""
+        Corners of the blocks are (n, 2^d, d), m.
+        """
+        self._d = d = corners.shape[2]
+        self._bottoms, self._tops = corners[:, : 2 ** (d - 1)], corners[:, -1, -1]
+        self._carriers, self._at = carriers, positions("block", d)
+
+    def lean(self, steps: Steps, frames: Array, before: Array) -> Array:
+        """Lean towards +x of all blocks after steps, carried on, rad, (steps, n).
+
+        `frames` has the rotation matrices of all bodies.
+        """
         if self._d == 2:
             return -steps.turned[:, :-1, 0]
-        frames = rotation_matrices(steps.rotation[:, :-1])
-        lean = np.arctan2(frames[..., 0, 2], frames[..., 2, 2])
+        lean = np.arctan2(frames[:, :-1, 0, 2], frames[:, :-1, 2, 2])
         return np.unwrap(np.concatenate([before[None], lean]), axis=0)[1:]
 
     def write(self, rows: Array, layout: RowLayout, steps: Steps, dt: float, lean: Array) -> Array:
         """Fill in the columns of the blocks for all steps but the first; returns the last lean."""
         frames = rotation_matrices(steps.rotation)
-        leans = self.lean(steps, lean)[1:]
+        leans = self.lean(steps, frames, lean)[1:]
         for b, carrier in enumerate(self._carriers):
             first = layout.block + layout.stride * b
             own = rows[:, first : first + layout.stride]
@@ -71,17 +74,12 @@ class BlockRows:
         return leans[-1]
 
     def _write_motion(self, own: Array, steps: Steps, b: int, lean: Array) -> None:
-        at, centre = self._at, steps.centre[1:, b]
-        own[:, at.angle_rad] = lean
-        own[:, at.centre_x_m], own[:, at.centre_y_m] = centre[:, 0], centre[:, 1]
-        spin, turned = steps.spin[1:, b], steps.turned[1:, b]
+        spin, centre = steps.spin[1:, b].T, steps.centre[1:, b].T
         if self._d == 2:
-            own[:, at.angular_velocity_rad_s] = -spin[:, 0]
-            return
-        own[:, at.centre_z_m] = centre[:, 2]
-        for k, axis in enumerate("xyz"):
-            own[:, getattr(at, f"angle_{axis}_rad")] = turned[:, k]
-            own[:, getattr(at, f"angular_velocity_{axis}_rad_s")] = spin[:, k]
+            write_plane_motion(own.T, lean, -spin[0], centre)
+        else:
+            angles = np.stack([lean, *steps.turned[1:, b].T])
+            write_space_motion(own.T, angles, spin, centre)
 
     def _write_contact(
         self, own: Array, steps: Steps, frames: Array, b: int, carrier: int, dt: float
@@ -96,7 +94,7 @@ class BlockRows:
             below = mean = np.broadcast_to(level, (len(own), d, d))
             shift = over_ground
         else:
-            frame, height = frames[1:, carrier], self._half[carrier, -1]
+            frame, height = frames[1:, carrier], self._tops[carrier]
             shift = centre - steps.centre[1:, carrier]
             above = np.einsum("si,si->s", frame[:, :, -1], shift)
             lost = has_lost_carrier(frame[:, -1, -1], above, height)
@@ -104,7 +102,7 @@ class BlockRows:
             mean = np.where(lost[:, None, None], level, (frames[:-1, carrier] + frame) / 2)
             shift = np.where(lost[:, None], over_ground, shift)
             half = np.where(lost, 0.0, height)
-        arms = np.einsum("sij,kj->ski", frames[1:, b], BOTTOM[d] * self._half[b])
+        arms = np.einsum("sij,kj->ski", frames[1:, b], self._bottoms[b])
         gaps = np.einsum("ski,si->sk", shift[:, None] + arms, below[:, :, -1]) - half[:, None]
         names = ("left", "right") if d == 2 else ("1", "2", "3", "4")
         for k, name in enumerate(names):

@@ -13,7 +13,7 @@ from typing import Any, Self
 import numpy as np
 
 from geometry.arrangement import Pose
-from geometry.block import Block
+from geometry.block import FACES, Block
 from solver.history.columns import check_filled, columns, positions, row_layout
 from solver.history.events import Meeting
 from solver.kernels.world import Body, Mobility, Steps, World
@@ -24,12 +24,11 @@ from solver.rigid.rows import (
     write_energies,
     write_platform,
 )
-from solver.scene import FrictionSpec, Scene
+from solver.scene import Scene
+from solver.scene.laws import GROUND, Law
 from solver.scene.places import Drift
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.types import Array, Indices
-
-GROUND = "foundation"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -40,16 +39,12 @@ class RigidBlock:
     carriers: tuple[str, ...] = (GROUND,)
     """Names of the blocks that carry it, or "foundation"; gap and slip are those over the first."""
     shape: Block
-    friction: FrictionSpec
-    """On what carries it and on the ground."""
     pose: Pose
     """From its own frame, origin at the bottom centre, to where it stands; level 0: the ground."""
     velocity: Sequence[float] | Array | float = 0.0
     """Velocity of the centre, relative to the ground, m/s; 0: it rests."""
     angular_velocity: Sequence[float] | Array | float = 0.0
     """rad/s: in the plane clockwise, in space a vector or 0."""
-    restitution: float = 0.0
-    """e on what carries it and on the floor; 0: it lands without rebound."""
 
     @property
     def centre(self) -> Array:
@@ -94,11 +89,9 @@ def blocks_of(scene: Scene, drift: Drift = (0.0, 0.0)) -> list[RigidBlock]:
             name=spec.name,
             carriers=spec.carriers,
             shape=spec.shape,
-            friction=scene.friction_of(spec),
             pose=placed[spec.name],
             velocity=spec.velocity,
             angular_velocity=spec.angular_velocity,
-            restitution=scene.restitution_of(spec),
         )
         for spec in scene.blocks
     ]
@@ -106,18 +99,6 @@ def blocks_of(scene: Scene, drift: Drift = (0.0, 0.0)) -> list[RigidBlock]:
 
 TRIAL = 0.1
 """Forces at the start are those of a trial step of this part of the first one."""
-
-PLANE_CORNERS = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
-"""Corners of a box about its centre in units of half its edges, anticlockwise."""
-
-SPACE_CORNERS = np.array([(x, y, z) for z in (-1, 1) for x, y in PLANE_CORNERS])
-"""The corners of the bottom, then those above them."""
-
-FACES = (
-    *((3, 2, 1, 0), (4, 5, 6, 7)),
-    *((0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)),
-)
-"""The corners around each face of a box, anticlockwise seen from outside: bottom, top, sides."""
 
 FOLLOWING = (
     *("normal_force_N", "friction_force_N", "friction_force_second_N"),
@@ -156,13 +137,13 @@ class RigidSystem:
         blocks: Sequence[RigidBlock],
         scheme: GeneralizedAlpha,
         *,
-        gravity: Sequence[float] | None = None,
-        platform: RigidPlatform | None = None,
-        velocity_solve: bool = True,
-        law_between: LawBetween | None = None,
-        tells_pairs: bool = False,
+        gravity: Sequence[float],
+        platform: RigidPlatform | None,
+        velocity_solve: bool,
+        law_between: Callable[[str, str], Law],
+        tells_pairs: bool,
     ):
-        """Start at t = 0; without `gravity`, in m/s2, it is 9.81 downwards.
+        """Start at t = 0.
 
         Args:
             blocks: In the order of their columns.
@@ -170,8 +151,7 @@ class RigidSystem:
             gravity: (d,), m/s2.
             platform: What the blocks stand on; None: the ground.
             velocity_solve: True if contact is also solved at velocity level after each step.
-            law_between: Friction and restitution of two bodies by name; default: those of the
-                upper block, and of the block named later where none carries the other.
+            law_between: The law of two bodies by their names.
             tells_pairs: True if it is told what pairs of bodies do to one another.
         """
         self.dimension = d = len(blocks[0].pose.place)
@@ -185,33 +165,36 @@ class RigidSystem:
         self._run = positions("run", d)
         self._layout = row_layout(len(blocks), dimension=d, platform=moves)
         self._error = self._layout.energy + positions("energy", d).ledger_error_J
-        pull = (*(0.0,) * (d - 1), -9.81) if gravity is None else gravity
         alphas = scheme.alpha_m, scheme.alpha_f, scheme.beta
-        self._world = World(d, pull, alphas, velocity_solve)
+        self._world = World(d, gravity, alphas, velocity_solve)
         for block in blocks:
             self._world.add(_body_of(self._world, block))
         self._world.add(_base_of(self._world, platform, d))
         numbers = {GROUND: len(blocks)} | {block.name: b for b, block in enumerate(blocks)}
         carriers = [[numbers[name] for name in block.carriers] for block in blocks]
-        laws, law_of = _laws_of(blocks, law_between or _upper_law(blocks))
+        laws, law_of = _laws_of(self.body_names, law_between)
         self._world.begin(laws, law_of, [*carriers, []])
         if tells_pairs:
             self._world.tell_pairs()
         self._tells_pairs = tells_pairs
-        half = np.array([block.shape.half_lengths(d) for block in blocks])
-        self._written = BlockRows(half, [each[0] for each in carriers])
+        corners = np.array([_corners_of(block) for block in blocks])
+        self._written = BlockRows(corners, [each[0] for each in carriers])
         self._before = self._world.now()
-        self._lean = self._written.lean(self._before, np.zeros(len(blocks)))[0]
+        frames = rotation_matrices(self._before.rotation)
+        self._lean = self._written.lean(self._before, frames, np.zeros(len(blocks)))[0]
         self._first = float(self._before.stored.sum())
         self.first_pairs: Array = np.empty((0, 0))
         """The pairs of the trial step from which the forces of `row` are."""
 
     @classmethod
-    def from_scene(cls, scene: Scene) -> Self:
-        """The system of a scene of rigid blocks on rigid ground or an oscillator."""
+    def from_scene(cls, scene: Scene, blocks: Sequence[RigidBlock] | None = None) -> Self:
+        """The system of a scene of rigid blocks on rigid ground or an oscillator.
+
+        `blocks` are those of the scene where they start otherwise than the scene says.
+        """
         platform = platform_of(scene)
         return cls(
-            blocks_of(scene, (0.0, 0.0) if platform is None else platform.drift),
+            blocks or blocks_of(scene, (0.0, 0.0) if platform is None else platform.drift),
             GeneralizedAlpha(scene.time.rho_inf),
             gravity=scene.gravity_vector,
             platform=platform,
@@ -388,17 +371,12 @@ class RigidSystem:
         return -spin if self.dimension == 2 else spin.copy()
 
 
-LawBetween = Callable[[str, str], tuple[FrictionSpec, float]]
-"""Friction and restitution of two bodies by their names."""
-
-
 def _body_of(world: World, block: RigidBlock) -> Body:
     """A block as a body of the compiled world."""
-    shape, d, turn = block.shape, len(block.pose.place), block.pose.rotation
-    half = np.array(shape.half_lengths(d))
-    if d == 2:
+    shape, corners, turn = block.shape, _corners_of(block), block.pose.rotation
+    if len(turn) == 2:
         return Body(
-            shape=world.polygon(half * PLANE_CORNERS),
+            shape=world.polygon(corners),
             mass=shape.mass,
             thickness=shape.thickness,
             inertia=shape.rotary_inertia,
@@ -408,7 +386,7 @@ def _body_of(world: World, block: RigidBlock) -> Body:
             spin=-np.asarray(block.angular_velocity),
         )
     return Body(
-        shape=world.polyhedron(half * SPACE_CORNERS, FACES),
+        shape=world.polyhedron(corners, FACES),
         mass=shape.mass,
         inertia=shape.principal_inertias,
         centre=block.centre,
@@ -416,6 +394,13 @@ def _body_of(world: World, block: RigidBlock) -> Body:
         velocity=block.velocity,
         spin=turn.T @ np.broadcast_to(block.angular_velocity, 3),
     )
+
+
+def _corners_of(block: RigidBlock) -> Array:
+    """Corners of a block about its centre, m; first those of the bottom."""
+    corners = np.array(block.shape.corners(len(block.pose.place)))
+    corners[:, -1] -= block.shape.height / 2
+    return corners
 
 
 def _base_of(world: World, platform: RigidPlatform | None, d: int) -> Body:
@@ -435,25 +420,11 @@ def _base_of(world: World, platform: RigidPlatform | None, d: int) -> Body:
     )
 
 
-def _upper_law(blocks: Sequence[RigidBlock]) -> LawBetween:
-    """The law of the block of a pair that the other one carries, else of the later one."""
-    numbers = {block.name: b for b, block in enumerate(blocks)}
-
-    def law(first: str, second: str) -> tuple[FrictionSpec, float]:
-        pair = sorted((first, second), key=lambda name: numbers.get(name, -1))
-        lower, upper = pair
-        if lower != GROUND and upper in blocks[numbers[lower]].carriers:
-            upper = lower
-        block = blocks[numbers[upper]]
-        return block.friction, block.restitution
-
-    return law
-
-
-def _laws_of(blocks: Sequence[RigidBlock], between: LawBetween) -> tuple[list[Array], Indices]:
-    """All laws, and the number of that of each pair of bodies, (n + 1, n + 1)."""
-    names = [*(block.name for block in blocks), GROUND]
-    numbers: dict[tuple[FrictionSpec, float], int] = {}
+def _laws_of(
+    names: Sequence[str], between: Callable[[str, str], Law]
+) -> tuple[list[Array], Indices]:
+    """All laws, and the number of that of each pair of bodies, (n, n), by their names."""
+    numbers: dict[Law, int] = {}
     law_of = np.zeros((len(names), len(names)), dtype=np.int64)
     for i, first in enumerate(names):
         for j in range(i):

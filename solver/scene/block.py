@@ -202,6 +202,10 @@ class BlockSpec(Checked):
         """The first of its carriers, whose top is the frame of its columns of gaps and slip."""
         return self.carriers[0]
 
+    def is_beside(self, other: BlockSpec) -> bool:
+        """True if neither of two blocks carries the other."""
+        return self.name not in other.carriers and other.name not in self.carriers
+
     @property
     def shape(self) -> Block:
         """The block as a geometric body of uniform density."""

@@ -399,7 +399,7 @@ class Scene(Checked):
     def non_adjacent(self) -> Iterator[tuple[BlockSpec, BlockSpec]]:
         """All pairs of blocks of which neither carries the other at the start."""
         for first, second in combinations(self.blocks, 2):
-            if first.name not in second.carriers and second.name not in first.carriers:
+            if first.is_beside(second):
                 yield first, second
 
     def damping_of(self, body: BlockSpec | PlateSpec | FrameSpec) -> DampingSpec | None:

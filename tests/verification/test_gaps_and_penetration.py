@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from rockslip import Scene, parse_scene, simulate
 from solver.rigid.system import RigidSystem, blocks_of
-from solver.scheme.generalized_alpha import GeneralizedAlpha
 
 Array = NDArray[np.float64]
 
@@ -49,10 +48,9 @@ def first_row(engine: str, depth: float, **upper: Any) -> dict[str, float]:
     given = scene(engine, **upper)
     down = np.zeros(given.dimension)
     down[-1] = depth
-    scheme = GeneralizedAlpha(given.time.rho_inf)
     lower, upper_one = blocks_of(given)
     upper_one = replace(upper_one, pose=replace(upper_one.pose, place=upper_one.pose.place - down))
-    system = RigidSystem([lower, upper_one], scheme)
+    system = RigidSystem.from_scene(given, [lower, upper_one])
     row = system.row(1e-3)
     return dict(zip(system.columns, row, strict=True))
 
