@@ -27,6 +27,7 @@ template <int d> struct Island {
     std::vector<Mat<unknowns, unknowns>> mass, inverse_mass;
     std::vector<Vec<unknowns>> free, w;      // motion without contacts, and with them
     std::vector<Pair> length, own;           // r, and the diagonal of W = G M^-1 G^T
+    Pair least{};                            // of own: what moves the heaviest bodies
     std::vector<int> factored;               // states of the factors at hand
     double factored_softness = -1;
     long factored_stamp = 0;
@@ -200,6 +201,9 @@ template <int d> class LocalProblem {
                 island.length[i][t] = all > 0 ? 1 / all : 1;
             }
         }
+        island.least = {INFINITY, INFINITY};
+        for (const auto& own : island.own)
+            for (int t = 0; t < 2; t++) island.least[t] = std::min(island.least[t], own[t]);
     }
 
     /// Difference between P and its projection, 1 being what is tolerated; infinite beyond numbers.
@@ -216,7 +220,7 @@ template <int d> class LocalProblem {
             const auto &r = island.length[i], &own = island.own[i];
             k.y = reading(island, k);
             if (softness > 0)
-                for (int j = 0; j < d; j++) k.y[j] += softness * own[j > 0] * (k.impulse[j] - anchor_[i][j]);
+                for (int j = 0; j < d; j++) k.y[j] += softness * island.least[j > 0] * (k.impulse[j] - anchor_[i][j]);
             double moved = 0;
             for (int side = 0; side < 2; side++) {
                 const int body = side ? k.b : k.a;
@@ -346,7 +350,7 @@ template <int d> class LocalProblem {
             for (int a = 0; a < d; a++)
                 for (int b = 0; b < d; b++) {
                     const double r = island.length[i][b > 0];
-                    K.a[a][b] = (a == b) - J[a][b] + J[a][b] * r * softness * island.own[i][b > 0];
+                    K.a[a][b] = (a == b) - J[a][b] + J[a][b] * r * softness * island.least[b > 0];
                     J[a][b] *= r;
                 }
             if (!K.factorize()) return false;

@@ -663,10 +663,10 @@ template <int d> class World {
             }
             if (!(changed < INFINITY)) return false;
             if (!(changed * turned < 1e-14 * size_)) continue;
-            bool friction_changed = false;
-            for (std::size_t i = 0; i < island.contacts.size(); i++) friction_changed |= follow(*island.contacts[i], island.own[i][1], dt, SHARES[round / FRICTION_ROUNDS]);
-            if (friction_changed) continue;
             if (!local.finish(island, at_rest(A, island)) && !rough_) return false;
+            bool friction_changed = false;
+            for (std::size_t i = 0; i < island.contacts.size(); i++) friction_changed |= follow(*island.contacts[i], island.least[1], dt, SHARES[round / FRICTION_ROUNDS]);
+            if (friction_changed) continue;
             for (std::size_t j = 0; j < island.bodies.size(); j++) {
                 const int b = island.bodies[j];
                 A.w[b] = island.w[j];
@@ -728,12 +728,12 @@ template <int d> class World {
     }
 
     /// Friction by the slip that it led to; true where it changed.
-    bool follow(C& k, double own, double dt, double share) const {
+    bool follow(C& k, double compliance, double dt, double share) const {
         if (k.state == OPEN) return false;
         const double way = norm_from(k.y, 1);
         double force = 0;
         for (double each : k.impulse) force = std::max(force, std::fabs(each));
-        k.slips = k.state != STICK && way > SLIP_ROUND_OFF * own * force && way > 1e-9 * dt * norm(gravity);
+        k.slips = k.state != STICK && way > SLIP_ROUND_OFF * compliance * force && way > 1e-9 * dt * norm(gravity);
         return follow_slip(*k.law, k.bound, k.slips ? 0.5 * way : 0.0, k.slips, share);
     }
 
@@ -821,6 +821,7 @@ template <int d> class World {
     void correct_velocities(Attempt& A, Island<d>& island, double dt) {
         const std::size_t count = island.contacts.size();
         step_impulse_.resize(count);
+        step_reading_.resize(count);
         before_.resize(count);
         state_.resize(count);
         double taken = 0, power = 0, quiet = 0;
@@ -829,6 +830,7 @@ template <int d> class World {
         for (std::size_t i = 0; i < count; i++) {
             C& k = *island.contacts[i];
             step_impulse_[i] = k.impulse;
+            step_reading_[i] = k.y;
             state_[i] = k.state;
             taken += k.rubbed;
             lands |= k.gap > TOUCHING * size_ && k.state != OPEN;
@@ -869,16 +871,17 @@ template <int d> class World {
                 C& k = *island.contacts[i];
                 k.velocity_impulse = k.total = k.impulse;
             }
-            restore_impulses(island);
+            restore_step(island);
             return;
         }
         counts.rungs[4]++;
-        restore_impulses(island);
+        restore_step(island);
     }
 
-    void restore_impulses(Island<d>& island) {
+    void restore_step(Island<d>& island) {
         for (std::size_t i = 0; i < island.contacts.size(); i++) {
             island.contacts[i]->impulse = step_impulse_[i];
+            island.contacts[i]->y = step_reading_[i];
             island.contacts[i]->state = state_[i];
         }
     }
@@ -1679,7 +1682,7 @@ template <int d> class World {
     std::vector<int> moving_, fixed_, root_, local_, island_of_;
     std::vector<double> wide_;
     std::vector<Way> ways_;
-    std::vector<Vec<d>> step_impulse_, before_;
+    std::vector<Vec<d>> step_impulse_, step_reading_, before_;
     std::vector<State> state_;
     std::vector<Motion> velocity_, pushed_;
     bool rough_ = false;  // what is not solved is taken as it is
