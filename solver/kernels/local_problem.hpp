@@ -10,38 +10,15 @@
 #pragma once
 
 #include <unordered_map>
-#include <vector>
 
-#include "block_lu.hpp"
-#include "contact.hpp"
+#include "interior_point.hpp"
 
 namespace rockslip {
-
-/// Bodies joined by contacts, and their equations of motion for a step or an instant.
-template <int d> struct Island {
-    static constexpr int unknowns = Dim<d>::unknowns;
-    using Pair = std::array<double, 2>;  // normal, tangential
-
-    std::vector<int> bodies;                 // numbers in the world
-    std::vector<Contact<d>*> contacts;
-    std::vector<Mat<unknowns, unknowns>> mass, inverse_mass;
-    std::vector<Vec<unknowns>> free, w;      // motion without contacts, and with them
-    std::vector<Pair> length, own;           // r, and the diagonal of W = G M^-1 G^T
-    Pair least{};                            // of own: what moves the heaviest bodies
-    std::vector<int> factored;               // states of the factors at hand
-    double factored_softness = -1;
-    long factored_stamp = 0;
-
-    void clear() {
-        bodies.clear();
-        contacts.clear();
-    }
-};
 
 /// How often what was needed.
 struct Outcomes {
     long solves = 0, warm = 0, newton = 0, factorizations = 0, searched = 0;
-    long softened = 0, swept = 0, failed = 0, loose = 0;
+    long softened = 0, interior = 0, failed = 0, loose = 0;
     double loosest = 0;
 };
 
@@ -55,32 +32,11 @@ template <int d> class LocalProblem {
     Outcomes outcomes;
     double tolerated_breach = 0;  // of y, m/s, in what counts as solved though round-off is left
 
-    /// Motions by the impulses: w = w_free + M^-1 G^T P.
-    static void move(I& island) {
-        for (Motion& w : island.w) w.fill(0);
-        for (const C* k : island.contacts) push(*k, k->impulse, island.w);
-        for (std::size_t b = 0; b < island.w.size(); b++) island.w[b] = island.free[b] + mul(island.inverse_mass[b], island.w[b]);
-    }
-
-    /// Adds G^T P of a contact.
-    static void push(const C& k, const Vec<d>& P, std::vector<Motion>& x) {
-        if (k.a >= 0) x[k.a] += transposed_mul(k.rows_a, P);
-        if (k.b >= 0) x[k.b] += transposed_mul(k.rows_b, P);
-    }
-
-    /// y of a contact.
-    static Vec<d> reading(const I& island, const C& k) {
-        Vec<d> y = k.constant;
-        if (k.a >= 0) y += mul(k.rows_a, island.w[k.a]);
-        if (k.b >= 0) y += mul(k.rows_b, island.w[k.b]);
-        return y;
-    }
-
     /// Finds impulses and motions from the impulses as guessed; false where nothing settles them.
     bool solve(I& island) {
         outcomes.solves++;
         set_lengths(island);
-        move(island);
+        island.move();
         island.factored_stamp = -1;
         if (error(island, 0) <= ENOUGH) {
             outcomes.warm++;
@@ -91,10 +47,11 @@ template <int d> class LocalProblem {
         for (std::size_t i = 0; i < count; i++) first_[i] = island.contacts[i]->impulse;
         if (by_proximal_point(island)) return true;
         restore(island, first_);
-        outcomes.swept++;
-        sweep(island, SWEEPS);
-        for (C* k : island.contacts) k->anchor = k->impulse;
-        if (by_proximal_point(island)) return true;
+        outcomes.interior++;
+        if (interior_point_.solve(island, factors_for(island))) {
+            for (C* k : island.contacts) k->anchor = k->impulse;
+            if (by_proximal_point(island)) return true;
+        }
         outcomes.failed++;
         restore(island, first_);
         return false;
@@ -133,12 +90,12 @@ template <int d> class LocalProblem {
     /// Impulses that the law admits and that obey it nearly, where nothing settles them; the motions are
     /// theirs.
     bool approximate(I& island) {
-        sweep(island, 5 * SWEEPS);
+        sweep(island);
         for (C* k : island.contacts) {
             State state{};
             k->impulse = project<d>(k->bound, k->mode, k->given, k->impulse, state, nullptr);
         }
-        move(island);
+        island.move();
         const double e = error(island, 0);
         largest_defect = std::max(largest_defect, breach_);
         return std::isfinite(e);
@@ -154,12 +111,13 @@ template <int d> class LocalProblem {
     static constexpr double ROUND_OFF = 64 * 2.2e-16;  // relative to the largest of all
     static constexpr double ENOUGH = 10;               // times what is tolerated: no need to go on
     static constexpr double SOFTNESS = 1e-5;           // q of the proximal term
+    static constexpr double MOST = 3;
     static constexpr double SOFTEST = 1e4;
-    static constexpr int FULL_STEPS = 10, ROUNDS = 60, PROXIMAL_ROUNDS = 40, SWEEPS = 300;
+    static constexpr int FULL_STEPS = 10, ROUNDS = 60, PROXIMAL_ROUNDS = 40, SWEEPS = 1500;
 
     static void restore(I& island, const std::vector<Vec<d>>& impulses) {
         for (std::size_t i = 0; i < impulses.size(); i++) island.contacts[i]->impulse = impulses[i];
-        move(island);
+        island.move();
     }
 
     static double own_compliance(const Mat<d, unknowns>& rows, const Mat<unknowns, unknowns>& inverse_mass, int first, int last) {
@@ -218,9 +176,9 @@ template <int d> class LocalProblem {
         for (std::size_t i = 0; i < count; i++) {
             C& k = *island.contacts[i];
             const auto &r = island.length[i], &own = island.own[i];
-            k.y = reading(island, k);
+            k.y = island.reading(k);
             if (softness > 0)
-                for (int j = 0; j < d; j++) k.y[j] += softness * island.least[j > 0] * (k.impulse[j] - anchor_[i][j]);
+                for (int j = 0; j < d; j++) k.y[j] += softness * std::min(own[j > 0], MOST * island.least[j > 0]) * (k.impulse[j] - anchor_[i][j]);
             double moved = 0;
             for (int side = 0; side < 2; side++) {
                 const int body = side ? k.b : k.a;
@@ -271,24 +229,6 @@ template <int d> class LocalProblem {
         return found;
     }
 
-    /// M + G^T H G (M58).
-    void assemble(const I& island, BlockLU<unknowns>& factors) {
-        factors.clear();
-        for (std::size_t b = 0; b < island.w.size(); b++) factors.diagonal(static_cast<int>(b)) = island.mass[b];
-        for (std::size_t i = 0; i < island.contacts.size(); i++) {
-            const C& k = *island.contacts[i];
-            Mat<d, unknowns> of_a{}, of_b{};
-            add_product(of_a, stiffness_[i], k.rows_a, 1);
-            add_product(of_b, stiffness_[i], k.rows_b, 1);
-            if (k.a >= 0) add_transposed_product(factors.diagonal(k.a), k.rows_a, of_a);
-            if (k.b >= 0) add_transposed_product(factors.diagonal(k.b), k.rows_b, of_b);
-            if (k.a >= 0 && k.b >= 0) {
-                add_transposed_product(factors.off_diagonal(k.a, k.b), k.rows_a, of_b);
-                add_transposed_product(factors.off_diagonal(k.b, k.a), k.rows_b, of_a);
-            }
-        }
-    }
-
     /// Newton's method on the law with the proximal term. Full steps come first, which are quick where
     /// they converge; where friction couples contacts that open, stick and slide in turn they cycle,
     /// and later steps must reduce the merit, from where it was least.
@@ -325,7 +265,7 @@ template <int d> class LocalProblem {
             if (!factors) factors = &factors_for(island);
             if (!linearise(island, softness, *factors)) return false;
             take_step(island, *factors);
-            move(island);
+            island.move();
             e = error(island, softness);
             if (full || e <= target || merit_ <= 0.999 * merit_before) continue;
             outcomes.searched++;
@@ -350,7 +290,7 @@ template <int d> class LocalProblem {
             for (int a = 0; a < d; a++)
                 for (int b = 0; b < d; b++) {
                     const double r = island.length[i][b > 0];
-                    K.a[a][b] = (a == b) - J[a][b] + J[a][b] * r * softness * island.least[b > 0];
+                    K.a[a][b] = (a == b) - J[a][b] + J[a][b] * r * softness * std::min(island.own[i][b > 0], MOST * island.least[b > 0]);
                     J[a][b] *= r;
                 }
             if (!K.factorize()) return false;
@@ -360,7 +300,7 @@ template <int d> class LocalProblem {
             K.solve(change_[i]);
         }
         if (same) return true;
-        assemble(island, factors);
+        island.assemble(stiffness_, factors);
         outcomes.factorizations++;
         island.factored_softness = softness;
         factors.stamp = island.factored_stamp = ++stamps_;
@@ -372,14 +312,11 @@ template <int d> class LocalProblem {
     void take_step(I& island, BlockLU<unknowns>& factors) {
         x_.assign(island.w.size(), {});
         const std::size_t count = island.contacts.size();
-        for (std::size_t i = 0; i < count; i++) push(*island.contacts[i], change_[i], x_);
+        for (std::size_t i = 0; i < count; i++) island.push(*island.contacts[i], change_[i], x_);
         factors.solve(x_);
         for (std::size_t i = 0; i < count; i++) {
             C& k = *island.contacts[i];
-            Vec<d> moved{};
-            if (k.a >= 0) moved += mul(k.rows_a, x_[k.a]);
-            if (k.b >= 0) moved += mul(k.rows_b, x_[k.b]);
-            k.impulse += change_[i] - mul(stiffness_[i], moved);
+            k.impulse += change_[i] - mul(stiffness_[i], island.moved(k, x_));
         }
     }
 
@@ -389,7 +326,7 @@ template <int d> class LocalProblem {
         for (std::size_t i = 0; i < count; i++) change_[i] = island.contacts[i]->impulse - before_[i];
         const auto go = [&](double part) {
             for (std::size_t i = 0; i < count; i++) island.contacts[i]->impulse = before_[i] + part * change_[i];
-            move(island);
+            island.move();
             return error(island, softness);
         };
         double part = 1, best = 1, lowest = merit_, e = 0;
@@ -435,12 +372,12 @@ template <int d> class LocalProblem {
     }
 
     /// Gauss and Seidel's method: one contact after another, each by Newton's method with r of its own.
-    void sweep(I& island, int sweeps) {
-        for (int round = 0; round < sweeps; round++) {
+    void sweep(I& island) {
+        for (int round = 0; round < SWEEPS; round++) {
             if (round % 10 == 0 && error(island, 0) <= 1) return;
             for (std::size_t i = 0; i < island.contacts.size(); i++) {
                 C& k = *island.contacts[i];
-                Vec<d> y = reading(island, k);
+                Vec<d> y = island.reading(k);
                 const Vec<d> before = k.impulse;
                 Mat<d, d> W{};
                 for (int side = 0; side < 2; side++) {
@@ -475,11 +412,12 @@ template <int d> class LocalProblem {
                 if (k.b >= 0) island.w[k.b] += mul(island.inverse_mass[k.b], transposed_mul(k.rows_b, change));
             }
         }
-        move(island);
+        island.move();
     }
 
     double breach_ = 0, merit_ = 0;
     long stamps_ = 0;
+    InteriorPoint<d> interior_point_;
     BlockLU<unknowns> single_;
     std::unordered_map<std::uint64_t, BlockLU<unknowns>> patterns_;
     std::vector<std::array<double, 2>> sum_;

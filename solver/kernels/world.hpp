@@ -672,11 +672,13 @@ template <int d> class World {
                 A.w[b] = island.w[j];
                 A.end[b] = bodies[b].moved(0.5 * dt * A.w[b]);
             }
-            if (rests(A, island, dt))
+            if (rests(A, island, dt)) {
                 for (int b : island.bodies) {
                     A.w[b].fill(0);
                     A.end[b] = A.start[b].at;
                 }
+                for (C* k : island.contacts) k->y = k->constant;
+            }
             return true;
         }
         return false;
@@ -834,11 +836,11 @@ template <int d> class World {
             state_[i] = k.state;
             taken += k.rubbed;
             lands |= k.gap > TOUCHING * size_ && k.state != OPEN;
-            local.push(k, -1.0 * k.impulse, island.free);
+            island.push(k, -1.0 * k.impulse, island.free);
         }
         velocity_ = island.w;
         for (std::size_t i = 0; i < count; i++) {
-            before_[i] = local.reading(island, *island.contacts[i]);
+            before_[i] = island.reading(*island.contacts[i]);
             power += std::fabs(dot(step_impulse_[i], before_[i]));
         }
         for (std::size_t j = 0; j < island.bodies.size(); j++) {
@@ -852,7 +854,7 @@ template <int d> class World {
             double lost = 0, normal = 0;
             for (std::size_t i = 0; i < count; i++) {
                 const C& k = *island.contacts[i];
-                const Vec<d> y = local.reading(island, k);
+                const Vec<d> y = island.reading(k);
                 for (int j = 0; j < d; j++) {
                     const double work = -0.5 * (k.impulse[j] - step_impulse_[i][j]) * (before_[i][j] + y[j]);
                     lost += work;
@@ -1407,7 +1409,7 @@ template <int d> class World {
         bool approaching = false, rebounding = false;
         for (std::size_t i = 0; i < count; i++) {
             C& k = *island.contacts[i];
-            before_[i] = local.reading(island, k);
+            before_[i] = island.reading(k);
             approaching |= before_[i][0] < 0;
             rebounding |= k.law->restitution > 0;
             k.mode = FrictionMode::LAW;
@@ -1415,12 +1417,12 @@ template <int d> class World {
         }
         if (!approaching || !settle_impact(island)) return;
         if (rebounding) rebound(A, island);
-        local.move(island);
+        island.move();
         double lost = 0, normal = 0;
         for (std::size_t i = 0; i < count; i++) {
             C& k = *island.contacts[i];
             k.constant.fill(0);
-            const Vec<d> sum = before_[i] + local.reading(island, k);
+            const Vec<d> sum = before_[i] + island.reading(k);
             lost -= 0.5 * dot(k.impulse, sum);
             normal -= 0.5 * k.impulse[0] * sum[0];
             k.total = k.impulse;
@@ -1445,7 +1447,7 @@ template <int d> class World {
                 for (std::size_t i = 0; i < island.contacts.size(); i++) {
                     C& k = *island.contacts[i];
                     const bool slips = k.state == SLIP || k.state == SLIP_BACK;
-                    const double speed = 0.5 * norm_from(before_[i] + local.reading(island, k), 1);
+                    const double speed = 0.5 * norm_from(before_[i] + island.reading(k), 1);
                     if (k.mode == FrictionMode::LAW && k.bound.mu > 0) changed |= follow_slip(*k.law, k.bound, slips ? speed : 0.0, slips, share);
                 }
                 if (!changed) return local.finish(island);
@@ -1484,7 +1486,7 @@ template <int d> class World {
                 Vec<d> held{};
                 held[0] = -pull[i];
                 pushed_.assign(island.w.size(), {});
-                local.push(*island.contacts[i], held, pushed_);
+                island.push(*island.contacts[i], held, pushed_);
                 for (std::size_t j = 0; j < island.w.size(); j++) island.free[j] += mul(island.inverse_mass[j], pushed_[j]);
             }
             bool enough = settle_impact(island);
@@ -1508,7 +1510,7 @@ template <int d> class World {
         const std::size_t count = island.contacts.size();
         const auto motion_of = [&](auto impulse) {
             std::vector<Motion> moved(island.w.size(), Motion{});
-            for (std::size_t i = 0; i < count; i++) local.push(*island.contacts[i], impulse(i), moved);
+            for (std::size_t i = 0; i < count; i++) island.push(*island.contacts[i], impulse(i), moved);
             for (std::size_t j = 0; j < moved.size(); j++) moved[j] = mul(island.inverse_mass[j], moved[j]);
             return moved;
         };
@@ -1607,13 +1609,13 @@ template <int d> class World {
             const C& k = *island.contacts[i];
             if (k.was_closed) continue;
             const double own = k.a >= 0 ? -dot(k.rows_a[0], velocity_[k.a]) : 0;
-            record_impact(A, k, first, when, k.impulse, before_[i], local.reading(island, k), own, spin(velocity_, k), spin(island.w, k));
+            record_impact(A, k, first, when, k.impulse, before_[i], island.reading(k), own, spin(velocity_, k), spin(island.w, k));
         }
         // What the impact does where the two touched before belongs to it.
         for (std::size_t i = 0; i < island.contacts.size(); i++) {
             const C& k = *island.contacts[i];
             if (!k.was_closed) continue;
-            if (Collision<d>* met = collision_of(k, first)) add_impulse(*met, k, k.impulse, before_[i] + local.reading(island, k));
+            if (Collision<d>* met = collision_of(k, first)) add_impulse(*met, k, k.impulse, before_[i] + island.reading(k));
         }
     }
 

@@ -19,7 +19,7 @@ from solver.kernels.library import library
 from solver.types import Array
 
 COUNTS = (
-    *("solves", "warm", "newton", "factorizations", "searched", "softened", "swept"),
+    *("solves", "warm", "newton", "factorizations", "searched", "softened", "interior"),
     *("failed", "loose", "loosest", "outer", "late", "widened", "halved", "cut", "contacts"),
     *("most_contacts", "rung_0", "rung_1", "rung_2", "rung_3", "rung_4"),
     *("unsettled", "largest_defect", "deepest", "deepest_at", "deepest_a", "deepest_b"),
@@ -28,7 +28,7 @@ COUNTS = (
 
 FALLBACKS = {
     "proximal": "softened",
-    "sweeps": "swept",
+    "interior point": "interior",
     "velocity solve left out": "rung_4",
 }
 """Methods behind Newton's with full steps, by the counts that have them."""
