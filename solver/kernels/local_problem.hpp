@@ -58,13 +58,12 @@ template <int d> class LocalProblem {
     }
 
     /// Takes out what the proximal term has left of the law; with final rows. False where more than
-    /// round-off is left of it. Forces at rest are to last: they are brought further, in more rounds.
+    /// round-off is left of it. Forces at rest are to last: they are brought further.
     bool finish(I& island, bool at_rest = false) {
-        const int rounds = at_rest ? 30 : 3;
         const double enough = at_rest ? 0.01 : ENOUGH;
         double e = error(island, 0);
         const std::size_t count = island.contacts.size();
-        for (int round = 0; round < rounds && e > enough; round++) {
+        for (int round = 0; round < FINISHING_ROUNDS && e > enough; round++) {
             kept_.resize(count);
             anchor_.resize(count);
             for (std::size_t i = 0; i < count; i++) kept_[i] = anchor_[i] = island.contacts[i]->impulse;
@@ -111,9 +110,9 @@ template <int d> class LocalProblem {
     static constexpr double ROUND_OFF = 64 * 2.2e-16;  // relative to the largest of all
     static constexpr double ENOUGH = 10;               // times what is tolerated: no need to go on
     static constexpr double SOFTNESS = 1e-5;           // q of the proximal term
-    static constexpr double MOST = 3;
+    static constexpr double MOST = 3;                  // of the compliance in it, times the least in the island
     static constexpr double SOFTEST = 1e4;
-    static constexpr int FULL_STEPS = 10, ROUNDS = 60, PROXIMAL_ROUNDS = 40, SWEEPS = 1500;
+    static constexpr int FULL_STEPS = 10, ROUNDS = 60, PROXIMAL_ROUNDS = 40, FINISHING_ROUNDS = 30, SWEEPS = 1500;
 
     static void restore(I& island, const std::vector<Vec<d>>& impulses) {
         for (std::size_t i = 0; i < impulses.size(); i++) island.contacts[i]->impulse = impulses[i];

@@ -197,6 +197,7 @@ template <int d> class World {
     static constexpr double LANDING = 1e-8;     // of the size: contacts closer than this land together
     static constexpr double SMALLEST_PIECE = 1e-3;  // of a step, before or after an end of slip
     static constexpr double AT_END = 1e-9;          // of a step: touches this close to its ends are there
+    static constexpr double ROWS = 1e-14;           // of the size: errors of rows below are none
     static constexpr double STOPPED = 1e-6;
     static constexpr double PIVOT = 1e-6;  // of the speed of a landing: slower contacts are its pivots
     static constexpr double SLOW = 1e-3;
@@ -638,40 +639,30 @@ template <int d> class World {
         }
         for (int round = 0; round < 3 * FRICTION_ROUNDS; round++) {
             counts.outer++;
-            double changed = 0, turned = 0;
             for (int b : island.bodies) A.end[b] = bodies[b].moved(0.5 * dt * A.w[b]);
             for (C* k : island.contacts) write_step_rows(A, *k, dt);
             for (std::size_t j = 0; j < island.bodies.size(); j++) {
                 const int b = island.bodies[j];
                 island.free[j] = bodies[b].is_platform() ? A.free[b] : free_motion(A, b, dt, load);
             }
-            if (!local.solve(island)) {
+            const bool solved = local.solve(island);
+            if (!solved) {
                 if (builds_up_cohesion(island)) continue;
                 if (!rough_ || !local.approximate(island)) return false;
             }
             if (round == 0)
                 for (C* k : island.contacts) k->anchor = k->impulse;
-            for (std::size_t j = 0; j < island.bodies.size(); j++) {
-                Motion& w = A.w[island.bodies[j]];
-                const Motion& next = island.w[j];
-                for (int i = 0; i < unknowns; i++) {
-                    const double change = 0.5 * dt * std::fabs(next[i] - w[i]);
-                    changed = std::max(changed, change * (i < d ? 1 : size_));
-                    if (i >= d) turned = std::max(turned, 0.5 * dt * std::fabs(next[i]));
-                }
-                w = next;
-            }
-            if (!(changed < INFINITY)) return false;
-            if (!(changed * turned < 1e-14 * size_)) continue;
-            if (!local.finish(island, at_rest(A, island)) && !rough_) return false;
-            bool friction_changed = false;
-            for (std::size_t i = 0; i < island.contacts.size(); i++) friction_changed |= follow(*island.contacts[i], island.least[1], dt, SHARES[round / FRICTION_ROUNDS]);
-            if (friction_changed) continue;
-            for (std::size_t j = 0; j < island.bodies.size(); j++) {
-                const int b = island.bodies[j];
-                A.w[b] = island.w[j];
-                A.end[b] = bodies[b].moved(0.5 * dt * A.w[b]);
-            }
+            double off = take_motions(A, island, dt);
+            if (!(off < INFINITY)) return false;
+            if (off > ROWS) continue;
+            if (solved && !local.finish(island, at_rest(A, island)) && !rough_) return false;
+            off = take_motions(A, island, dt);
+            bool again = off > 100 * ROWS;
+            if (again)
+                for (C* k : island.contacts) k->anchor = k->impulse;
+            for (std::size_t i = 0; i < island.contacts.size(); i++) again |= follow(*island.contacts[i], island.least[1], dt, SHARES[round / FRICTION_ROUNDS]);
+            if (again) continue;
+            for (int b : island.bodies) A.end[b] = bodies[b].moved(0.5 * dt * A.w[b]);
             if (rests(A, island, dt)) {
                 for (int b : island.bodies) {
                     A.w[b].fill(0);
@@ -682,6 +673,22 @@ template <int d> class World {
             return true;
         }
         return false;
+    }
+
+    /// Takes the motions of an island; returns how far off the rows then are, of the size.
+    double take_motions(Attempt& A, const Island<d>& island, double dt) const {
+        double changed = 0, turned = 0;
+        for (std::size_t j = 0; j < island.bodies.size(); j++) {
+            Motion& w = A.w[island.bodies[j]];
+            for (int i = 0; i < unknowns; i++) {
+                const double next = island.w[j][i], change = 0.5 * dt * std::fabs(next - w[i]);
+                if (!std::isfinite(next)) return INFINITY;
+                changed = std::max(changed, change * (i < d ? 1 : size_));
+                if (i >= d) turned = std::max(turned, 0.5 * dt * std::fabs(next));
+            }
+            w = island.w[j];
+        }
+        return changed * turned / size_;
     }
 
     /// Lets cohesion grow with the pressure; false where it does so already.
