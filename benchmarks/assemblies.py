@@ -5,10 +5,7 @@
 Heaps, rows and walls of 2 to 30 convex blocks in the plane and in space, with masses up to 1e4
 times as large as others, on ground that rests or shakes. No step may fail; no energy may be gained;
 at the end blocks overlap by less than 1e-6 of the smallest edge. Writes one line for each that
-breaks a limit, and the worst numbers.
-
-Walls in which a brick weighs up to 1e4 times as much as another one do not all hold today: some
-take very long, some gain energy. Heaps, rows and walls of equal bricks do.
+breaks a limit, and the worst numbers. Takes five minutes; walls in space take most of it.
 """
 
 from __future__ import annotations
