@@ -129,7 +129,7 @@ class Assembly:
     def _heap(self, number: int) -> None:
         """Bodies of all shapes, one above another, that fall."""
         draw = _box if self._random.random() < 0.5 else _hull
-        low = np.append(self._random.uniform(-0.3, 0.3, self.d - 1), 0.05 + 0.75 * number)
+        low = np.append(self._random.uniform(-0.3, 0.3, self.d - 1), 0.05 + 1.1 * number)
         self._add(draw(self.d, self._random), low, self._random.normal(size=self.d), True)
 
     def _row(self, number: int) -> None:

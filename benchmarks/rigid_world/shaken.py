@@ -2,9 +2,9 @@
 
     ./in-env python3 -m benchmarks.rigid_world.shaken [--record FILE] [--end SECONDS]
 
-The wall has joints of 2 mm. It is shaken at 0.8 g and 4 Hz, at 0.3 g and 2 Hz with friction 0.25, and
-by a record where one is given, each with steps of 1 ms and of 0.5 ms. Prints a line for each run,
-and how far places at its end differ between the two steps. Takes half an hour.
+The wall has joints of 2 mm. It is shaken at 0.8 g and 4 Hz, at 0.3 g and 2 Hz with friction 0.25,
+and by a record where one is given, each with steps of 1 ms and of 0.5 ms. Prints a line for each
+run, and how far places at its end differ between the two steps. Takes half an hour.
 """
 
 from __future__ import annotations
@@ -27,7 +27,8 @@ def shaken(tables: dict[str, Any], step: float) -> Array:
     print(
         f"  step {step:g}: {summary['status']} at {summary['end_s']:g} s,",
         f"{1e3 * cost['wall_s'] / cost['steps']:.1f} ms a step,",
-        f"gain {energy['largest_gain_fraction']:.1e}, ledger {energy['ledger_error_fraction']:.1e},",
+        f"gain {energy['largest_gain_fraction']:.1e},",
+        f"ledger {energy['ledger_error_fraction']:.1e},",
         f"deepest {summary['deepest_penetration_m']:.1e} m, unsettled {summary['unsettled']}",
         flush=True,
     )

@@ -6,6 +6,7 @@ import math
 
 from benchmarks.stability.matrix import StabilityCase, StabilityFamily, changed
 from benchmarks.stability.scenes import (
+    ASIDE,
     BODIES,
     DEFAULT_STEPS,
     FALLING,
@@ -15,6 +16,7 @@ from benchmarks.stability.scenes import (
     MESHES,
     MODELS,
     MODULI,
+    NEIGHBOURS,
     ON_ITS_CORNER,
     PAIRS,
     PLATE,
@@ -27,6 +29,7 @@ from benchmarks.stability.scenes import (
     SPACE,
     SQUAT,
     STACK,
+    gaps,
     mass_ratios,
     over,
     sizes,
@@ -333,6 +336,36 @@ FAMILIES: tuple[StabilityFamily, ...] = (
             "1e-05": {"upper.damping": {"stiffness": 1e-5}},
             "0.001, lambda_R 10": {"upper.damping": {"stiffness": 1e-3, "mass": 10.0}},
         },
+    ),
+    StabilityFamily(
+        name="gap between neighbours",
+        base=NEIGHBOURS,
+        rows={key: ASIDE[key] for key in ("plane", "space", "on a platform")},
+        columns=gaps(0.0, 1e-9, 1e-6, 1e-3, 0.1),
+    ),
+    StabilityFamily(
+        name="mass ratio of neighbours",
+        base=NEIGHBOURS,
+        rows=ASIDE,
+        columns={
+            f"{ratio:g}": {
+                **{"block.density": None, "left.mass": 250.0, "right.mass": 250.0},
+                "middle.mass": 250.0 * ratio,
+            }
+            for ratio in (1e-4, 1e-2, 1.0, 1e2, 1e4)
+        },
+    ),
+    StabilityFamily(
+        name="restitution of neighbours",
+        base=NEIGHBOURS,
+        rows=ASIDE,
+        columns=over("block.restitution", (0.05, 0.5, 0.95, 1.0)),
+    ),
+    StabilityFamily(
+        name="friction of neighbours",
+        base=NEIGHBOURS,
+        rows=ASIDE,
+        columns=over("contact.friction", (0.0, 0.1, 1.0, 10.0, 1000.0)),
     ),
     StabilityFamily(
         name="slip beside the reference",

@@ -26,7 +26,7 @@ def draw(count: int, seed: int, *, later_keys: bool = True) -> list[StabilityCas
 
 
 def _with_later_keys(seed: int, number: int) -> Tables:
-    """One random scene with keys of its own besides: default steps, beds, damping, restitution."""
+    """One random scene with keys that came later: default steps, beds, damping, neighbours."""
     scene, random = _scene(seed, number), Random(f"{seed}:{number}:later")
     if random.random() < 0.3:
         del scene["time"]["step"]
@@ -38,7 +38,34 @@ def _with_later_keys(seed: int, number: int) -> Tables:
     if all(block["model"] == "rigid" for block in scene["block"]):
         for block in scene["block"]:
             block["restitution"] = _mixed(random, (1.0,), 0.01, 1.0)
+    random = Random(f"{seed}:{number}:neighbours")
+    if random.random() < 0.25:
+        _add_neighbours(random, scene)
     return scene
+
+
+def _add_neighbours(random: Random, scene: Tables) -> None:
+    """Make all blocks rigid, and add some beside them and above them."""
+    for block in scene["block"]:
+        block["model"] = "rigid"
+    lowest = scene["block"][0]
+    width, height, depth = (lowest[key] for key in ("width", "height", "thickness"))
+    plane, edge = scene["dimension"] == 2, 0.5 * width
+    for number in range(random.randint(1, 4)):
+        wide, high = (size * _log(random, 0.2, 1.5) for size in (width, height))
+        middle = edge + width * _mixed(random, (0.0, 1e-6), 0.0, 1.0) + 0.5 * wide
+        edge = middle + 0.5 * wide
+        x, level = middle, 0.5 * high
+        if random.random() < 0.3:
+            x, level = random.uniform(-0.5, 0.5) * width, (1.5 + 2 * number) * 3 * height
+        block = {
+            **{"name": f"n{number}", "model": "rigid", "width": wide, "height": high},
+            **{"thickness": depth, "density": _log(random, 1.0, 2e4)},
+            "position": [x, level] if plane else [x, 0.0, level],
+        }
+        if random.random() < 0.5:
+            block["velocity"] = [random.uniform(-2.0, 2.0), *(0.0,) * (scene["dimension"] - 1)]
+        scene["block"].append(block)
 
 
 def _scene(seed: int, number: int) -> Tables:

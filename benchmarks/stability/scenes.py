@@ -63,6 +63,18 @@ SPACE: Tables = {
 }
 """A block in space, shaken along x and y."""
 
+NEIGHBOURS: Tables = {
+    "block": [
+        {**BLOCK, "name": name, "model": "rigid", "offset": 0.26 * number}
+        for number, name in enumerate(("left", "middle", "right"))
+    ],
+    "contact": {"friction": 0.4},
+    "motion": {**SINE, "amplitude_g": 1.0},
+    "damping": {"stiffness": 0.0},
+    "time": {"end": 0.8, "step": 1e-3},
+}
+"""Three rigid blocks side by side, 1 cm apart, which rock and strike each other."""
+
 PLATFORM = {"kind": "oscillator", "mass_ratio": 2.0, "period": 0.5, "damping_ratio": 0.05}
 
 FALLING = {"static": 0.6, "dynamic": 0.3, "decay": 20.0}
@@ -148,6 +160,14 @@ def mass_ratios(*ratios: float) -> Grid:
     }
 
 
+def gaps(*sizes: float) -> Grid:
+    """Gap between neighbours, m."""
+    return {
+        f"{gap:g} m": {"left.offset": -0.25 - gap, "middle.offset": 0.0, "right.offset": 0.25 + gap}
+        for gap in sizes
+    }
+
+
 def tower(count: int, **changes: Any) -> Tables:
     """Blocks of one size on each other, each a little off its carrier, on a shaken ground."""
     one = {**BLOCK, "width": 0.5, "height": 0.3, "cells": [4, 3], **changes}
@@ -165,6 +185,21 @@ BODIES: Grid = {
     "rigid, space": {**RIGID, **IN_SPACE},
 }
 """The engines that run a scene of one block: of meshes, of rigid blocks in plane and space."""
+
+LINTEL: Changes = {
+    "right.offset": None,
+    "right.on": ["left", "middle"],
+    "right.width": 0.5,
+    "right.height": 0.25,
+}
+ASIDE: Grid = {
+    "plane": {},
+    "space": {"dimension": 3, "block.cells": None},
+    "leaning": {"left.tilt_deg": 13.0, "left.offset": -0.25, "right.offset": 0.6},
+    "lintel": LINTEL,
+    "on a platform": {"foundation": PLATFORM},
+}
+"""Three neighbours in plane and space, of which one falls on the next, or lies on the others."""
 
 PAIRS: Grid = {
     "elastic on elastic": {},

@@ -94,10 +94,15 @@ template <int d> class LocalProblem {
             State state{};
             k->impulse = project<d>(k->bound, k->mode, k->given, k->impulse, state, nullptr);
         }
-        island.move();
-        const double e = error(island, 0);
+        const bool finite = keep(island);
         largest_defect = std::max(largest_defect, breach_);
-        return std::isfinite(e);
+        return finite;
+    }
+
+    /// Keeps the impulses, whatever the law says, and writes motions and y; false beyond numbers.
+    bool keep(I& island) {
+        island.move();
+        return std::isfinite(error(island, 0));
     }
 
     double largest_defect = 0;  // of y in what was taken unsettled, m/s

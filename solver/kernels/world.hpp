@@ -144,6 +144,7 @@ template <int d> class World {
         std::fill(penetration.begin(), penetration.end(), 0.0);
         spring_impulse.fill(0);
         smallest_ = smallest;
+        whole_ = dt;
         number_++;
         const double end = time + dt;
         const bool solved = advance(0, moving_, {time, dt, ground, CUTS});
@@ -197,7 +198,7 @@ template <int d> class World {
     static constexpr double LANDING = 1e-8;     // of the size: contacts closer than this land together
     static constexpr double SMALLEST_PIECE = 1e-3;  // of a step, before or after an end of slip
     static constexpr double AT_END = 1e-9;          // of a step: touches this close to its ends are there
-    static constexpr double ROWS = 1e-14;           // of the size: errors of rows below are none
+    static constexpr double ROWS = 1e-14;           // of the size in a whole step: errors of rows below are none
     static constexpr double STOPPED = 1e-6;
     static constexpr double PIVOT = 1e-6;  // of the speed of a landing: slower contacts are its pivots
     static constexpr double SLOW = 1e-3;
@@ -637,30 +638,35 @@ template <int d> class World {
             k->anchor = k->impulse;
             k->bound = bound_at_start(*k->law, k->past, k->area * dt);
         }
+        const double enough = ROWS * dt / whole_;
+        bool kept = false;  // impulses that nothing settled, while rows follow the motions
         for (int round = 0; round < 3 * FRICTION_ROUNDS; round++) {
             counts.outer++;
+            kept |= rough_ && round == FRICTION_ROUNDS;
             for (int b : island.bodies) A.end[b] = bodies[b].moved(0.5 * dt * A.w[b]);
             for (C* k : island.contacts) write_step_rows(A, *k, dt);
             for (std::size_t j = 0; j < island.bodies.size(); j++) {
                 const int b = island.bodies[j];
                 island.free[j] = bodies[b].is_platform() ? A.free[b] : free_motion(A, b, dt, load);
             }
-            const bool solved = local.solve(island);
-            if (!solved) {
+            if (kept) {
+                if (!local.keep(island)) return false;
+            } else if (!local.solve(island)) {
                 if (builds_up_cohesion(island)) continue;
                 if (!rough_ || !local.approximate(island)) return false;
+                kept = true;
             }
             if (round == 0)
                 for (C* k : island.contacts) k->anchor = k->impulse;
             double off = take_motions(A, island, dt);
             if (!(off < INFINITY)) return false;
-            if (off > ROWS) continue;
-            if (solved && !local.finish(island, at_rest(A, island)) && !rough_) return false;
+            if (off > enough) continue;
+            if (!kept && !local.finish(island, at_rest(A, island)) && !rough_) return false;
             off = take_motions(A, island, dt);
-            bool again = off > 100 * ROWS;
+            bool again = off > 100 * enough;
             if (again)
                 for (C* k : island.contacts) k->anchor = k->impulse;
-            for (std::size_t i = 0; i < island.contacts.size(); i++) again |= follow(*island.contacts[i], island.least[1], dt, SHARES[round / FRICTION_ROUNDS]);
+            for (std::size_t i = 0; i < island.contacts.size(); i++) again |= !kept && follow(*island.contacts[i], island.least[1], dt, SHARES[round / FRICTION_ROUNDS]);
             if (again) continue;
             for (int b : island.bodies) A.end[b] = bodies[b].moved(0.5 * dt * A.w[b]);
             if (rests(A, island, dt)) {
@@ -1683,7 +1689,7 @@ template <int d> class World {
         }
     }
 
-    double size_ = 1, smallest_ = 0;
+    double size_ = 1, smallest_ = 0, whole_ = 0;  // m, s, s
     long number_ = 0;
     ContactMemory<d> memory_;
     BroadPhase<d> broad_;

@@ -277,7 +277,7 @@ class RigidSystem:
         done = len(steps.closed)
         rows: Array = np.full((done, len(self.columns)), np.nan)
         if done:
-            self._fill(rows, before.followed_by(steps), dt, motion)
+            self._fill(rows, before.followed_by(steps), dt, motion[: done + 1])
             rows[:, self._run.time_s] = self.time + dt * np.arange(1, done + 1)
             check_filled(self.columns, rows)
             self._before = steps.last()
