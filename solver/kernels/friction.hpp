@@ -46,6 +46,9 @@ struct FrictionBound {
         if (slope * normal < cohesion) return {mu + slope, 0.0};
         return {mu, cohesion};
     }
+
+    /// The bound over a normal impulse > 0.
+    double secant(double normal) const { return mu + std::min(slope, cohesion / normal); }
 };
 
 /// All cohesion at once may lift its own point, and no impulse then obeys the law: it is built up

@@ -91,7 +91,7 @@ template <int d> class InteriorPoint {
 
   public:
     /// Writes impulses near those of the law, and the motions that they lead to; false where they are
-    /// not found, or friction is given, or there is cohesion.
+    /// not found, or friction is given. Cohesion is a mu that follows P_n.
     bool solve(Island<d>& island, BlockLU<unknowns>& factors) {
         island.factored_stamp = -1;
         if (!begin(island)) return false;
@@ -100,6 +100,7 @@ template <int d> class InteriorPoint {
             for (std::size_t i = 0; i < points_.size(); i++) {
                 Point& p = points_[i];
                 product += dot(p.x, p.z) / static_cast<double>(points_.size());
+                p.mu = island.contacts[i]->bound.secant(p.x[0]);
                 p.missing = p.z - p.scaled(island.reading(*island.contacts[i]));
                 p.missing[0] -= norm_from(p.z, 1);
                 missing = std::max(missing, norm(p.missing));
@@ -147,7 +148,7 @@ template <int d> class InteriorPoint {
         fastest_ = 0;
         for (std::size_t i = 0; i < points_.size(); i++) {
             const Contact<d>& k = *island.contacts[i];
-            if (k.mode != FrictionMode::LAW || k.bound.cohesion > 0) return false;
+            if (k.mode != FrictionMode::LAW) return false;
             points_[i].mu = k.bound.mu;
             fastest_ = std::max(fastest_, norm(points_[i].scaled(island.reading(k))));
         }

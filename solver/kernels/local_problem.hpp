@@ -86,14 +86,28 @@ template <int d> class LocalProblem {
         return breach_ < tolerated_breach || (e < 1e6 && breach_ < 3 * tolerated_breach);
     }
 
-    /// Impulses that the law admits and that obey it nearly, where nothing settles them; the motions are
-    /// theirs.
+    /// Impulses that the law admits and that obey it nearly, where nothing settles them.
     bool approximate(I& island) {
         sweep(island);
         for (C* k : island.contacts) {
             State state{};
             k->impulse = project<d>(k->bound, k->mode, k->given, k->impulse, state, nullptr);
         }
+        return take(island);
+    }
+
+    /// Takes impulses that do not obey the law, as far as they gain no energy, and writes motions and y;
+    /// false beyond numbers.
+    bool take(I& island) {
+        // P.G w is twice the work of the impulses, and P.G (w - w_free) is not negative.
+        island.move();
+        double with = 0, without = 0;
+        for (const C* k : island.contacts) {
+            with += dot(k->impulse, island.moved(*k, island.w));
+            without += dot(k->impulse, island.moved(*k, island.free));
+        }
+        if (with > 0)
+            for (C* k : island.contacts) k->impulse = std::max(without / (without - with), 0.0) * k->impulse;
         const bool finite = keep(island);
         largest_defect = std::max(largest_defect, breach_);
         return finite;

@@ -207,6 +207,7 @@ template <int d> class World {
     static constexpr int FRICTION_ROUNDS = 40;
     static constexpr std::array<double, 3> SHARES{1.0, 0.5, 0.0};
     static constexpr int CUTS = 5, LOCATING = 30, MOST_WIDENED = 3;
+    static constexpr int MOST_ROUGH = 16;   // parts of a step in which halves do not help
     static constexpr int LARGEST_CUT = 12;  // bodies of a group that is cut where nothing rebounds
 
     /// All that belongs to one attempt to step some bodies.
@@ -247,16 +248,17 @@ template <int d> class World {
         double begin, dt;
         GroundMotion<d> ground;
         int cuts;  // how often it may be cut at an event
+        bool halves = true;  // false: halves of what came before did not help
 
-        Piece first(double length) const { return {begin, length, ground, cuts}; }
-        Piece rest(double length) const { return {begin + length, dt - length, ground.later(length), cuts}; }
+        Piece first(double length) const { return {begin, length, ground, cuts, halves}; }
+        Piece rest(double length) const { return {begin + length, dt - length, ground.later(length), cuts, halves}; }
     };
 
     // ------------------------------------------------------------ one attempt
 
     /// Steps some bodies; where that needs it, in groups and in pieces.
     bool advance(int depth, const std::vector<int>& members, const Piece& piece) {
-        const auto& [begin, dt, ground, cuts] = piece;
+        const auto& [begin, dt, ground, cuts, halves] = piece;
         Attempt& A = attempt(depth);
         A.members = members;
         for (int b : members) A.least[b] = 0;
@@ -661,7 +663,11 @@ template <int d> class World {
             double off = take_motions(A, island, dt);
             if (!(off < INFINITY)) return false;
             if (off > enough) continue;
-            if (!kept && !local.finish(island, at_rest(A, island)) && !rough_) return false;
+            if (!kept && !local.finish(island, at_rest(A, island))) {
+                if (!rough_ || !local.take(island)) return false;
+                kept = true;
+                continue;
+            }
             off = take_motions(A, island, dt);
             bool again = off > 100 * enough;
             if (again)
@@ -756,7 +762,7 @@ template <int d> class World {
 
     /// Takes the solved step: ledger, places, velocities, memory; then contact at velocity level.
     void finish(Attempt& A, const Piece& piece) {
-        const auto& [begin, dt, ground, cuts] = piece;
+        const auto& [begin, dt, ground, cuts, halves] = piece;
         counts.contacts += static_cast<long>(A.contacts.size());
         counts.most_contacts = std::max(counts.most_contacts, static_cast<long>(A.contacts.size()));
         follow_slips(A, dt);
@@ -967,7 +973,7 @@ template <int d> class World {
         record.gap = k.end_gap;
         record.offset.fill(0);
         record.step = number_;
-        if (k.state == STICK && k.feature.kind != Kind::EDGE_EDGE)
+        if (k.state == STICK && k.feature.kind != Kind::EDGE_EDGE && !rough_)
             for (int i = 1; i < d; i++) record.offset[i] = 0.5 * k.dt * k.y[i];
         record.friction = k.past;
         record.friction.rate = record.friction.slipped = false;
@@ -1236,12 +1242,17 @@ template <int d> class World {
         return true;
     }
 
-    /// Two steps of half the length; the shortest one is taken at the accuracy that there is.
+    /// Two steps of half the length; the shortest one is taken at the accuracy that there is, and what
+    /// follows it in the step sooner than that.
     bool by_halves(Attempt& A, int depth, const Piece& piece) {
         const std::vector<int> members = A.members;
-        if (0.5 * piece.dt >= smallest_) {
+        if (0.5 * piece.dt >= smallest_ && (piece.halves || piece.dt > whole_ / MOST_ROUGH)) {
             counts.halved++;
-            return advance(depth + 1, members, piece.first(0.5 * piece.dt)) && advance(depth + 1, members, piece.rest(0.5 * piece.dt));
+            const long before = counts.unsettled;
+            if (!advance(depth + 1, members, piece.first(0.5 * piece.dt))) return false;
+            Piece rest = piece.rest(0.5 * piece.dt);
+            rest.halves = counts.unsettled == before;
+            return advance(depth + 1, members, rest);
         }
         if (rough_) return false;
         counts.unsettled++;
