@@ -1,6 +1,6 @@
 """A wall of 100 bricks under shaking: does each run go to its end, and where do bricks end?
 
-    ./in-env python3 -m benchmarks.rigid_world.shaken [--record FILE] [--end SECONDS]
+    ./in-env python3 -m benchmarks.rigid_world.shaken [--record FILE --scale 2]
 
 The wall has joints of 2 mm. It is shaken at 0.8 g and 4 Hz, at 0.3 g and 2 Hz with friction 0.25,
 and by a record where one is given, each with steps of 1 ms and of 0.5 ms. Prints a line for each
@@ -41,6 +41,7 @@ def main() -> None:
     """Run all and print."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--record", help="a file of recorded motion")
+    parser.add_argument("--scale", type=float, default=1.0, help="of the record")
     parser.add_argument("--end", type=float, default=20.0, help="s")
     options = parser.parse_args()
     time = {"end": options.end}
@@ -51,7 +52,7 @@ def main() -> None:
         "0.3 g at 2 Hz, friction 0.25": scenes.wall(10, 10, friction=0.25, motion=weak, time=time),
     }
     if options.record:
-        record = {"kind": "record", "file": options.record}
+        record = {"kind": "record", "file": options.record, "scale": options.scale}
         walls[options.record] = scenes.wall(10, 10, motion=record, time=time)
     for name, tables in walls.items():
         print(name, flush=True)

@@ -58,3 +58,13 @@ def test_what_was_restored_goes_on_to_the_digit(dimension: int) -> None:
     parts = [other.advance(count, 1e-3).rows for count in (1, 99, 200)]
     others = [k for k, name in enumerate(system.columns) if name != "time_s"]  # of sums
     assert np.array_equal(np.concatenate(parts)[:, others], first.rows[:, others])
+
+
+def test_a_step_that_has_no_solution_keeps_the_rows_before_it() -> None:
+    block = {"model": "rigid", "width": 0.25, "height": 1.0, "mass": 503.0}
+    system = RigidSystem.from_scene(parse_scene({"block": [block], "time": {"end": 1.0}}))
+    ground = np.zeros((11, 2))
+    ground[6, 0] = np.inf
+    done = system.advance(10, 1e-3, ground)
+    assert len(done.rows) == 5
+    assert done.failure == "no solution of a step at 0.005 s"

@@ -132,6 +132,17 @@ def test_random_scenes_that_did_not_converge(seed: int, number: int, end: float)
     assert verdict.energy_gain < 1e-6
 
 
+@pytest.mark.parametrize(("seed", "number", "end"), [(987001, 106, 0.2), (987003, 169, 2e-4)])
+def test_neighbours_with_cohesion_of_many_times_their_weight(
+    seed: int, number: int, end: float
+) -> None:
+    """Of which one had no solution of a step however short, the other one in a thousand parts."""
+    case = draw(number + 1, seed)[number]
+    verdict = judge(replace(case, tables=changed(case.tables, {"time.end": end})), 60.0)
+    assert (verdict.verdict, verdict.reason) == ("holds", "")
+    assert verdict.energy_gain < 1e-12
+
+
 def test_too_soft_for_its_weight() -> None:
     """rho g H = 2680 x 9.81 x 1 Pa over 5 %: 525828 Pa."""
     assert scene(block__young=5.26e5).blocks[0].young == 5.26e5
