@@ -137,9 +137,10 @@ template <int d> class InteriorPoint {
             for (int i = 1; i < d; i++) v[i] *= mu;
             return v;
         }
-        V compliance(const V& v) const { return W.inverse_times(W.inverse_times(v)); }
+        V stiffness(const V& v) const { return W.inverse_times(W.inverse_times(v)); }
     };
 
+    /// Motion without contacts, and products that are all the same; false where there is nothing to solve.
     bool begin(Island<d>& island) {
         points_.resize(island.contacts.size());
         stiffness_.resize(points_.size());
@@ -161,6 +162,7 @@ template <int d> class InteriorPoint {
         return fastest_ > 0;
     }
 
+    /// Writes and factorizes the matrix of the step; false where it is singular.
     bool linearise(const Island<d>& island, BlockLU<unknowns>& factors) {
         for (std::size_t i = 0; i < points_.size(); i++) {
             Point& p = points_[i];
@@ -172,7 +174,7 @@ template <int d> class InteriorPoint {
             for (int b = 0; b < d; b++) {
                 V column;
                 for (int a = 0; a < d; a++) column[a] = p.slope[a][b];
-                column = p.scaled(p.compliance(column));
+                column = p.scaled(p.stiffness(column));
                 for (int a = 0; a < d; a++) stiffness_[i][a][b] = column[a] * (b ? p.mu : 1);
             }
         }
@@ -191,14 +193,14 @@ template <int d> class InteriorPoint {
             lacks[0] += product;
             if (corrected) lacks = lacks - K::product(p.W.times(p.dx), p.W.inverse_times(p.dz));
             p.target = p.W.inverse_times(K::quotient(now, lacks));
-            island.push(*island.contacts[i], p.scaled(p.x + p.target + p.compliance(mul(p.slope, p.missing))), step_);
+            island.push(*island.contacts[i], p.scaled(p.x + p.target + p.stiffness(mul(p.slope, p.missing))), step_);
         }
         factors.solve(step_);
         std::array<double, 2> parts{1, 1};
         for (std::size_t i = 0; i < points_.size(); i++) {
             Point& p = points_[i];
             p.dz = mul(p.slope, p.scaled(island.moved(*island.contacts[i], step_)) - p.missing);
-            p.dx = p.target - p.compliance(p.dz);
+            p.dx = p.target - p.stiffness(p.dz);
             parts = {std::min(parts[0], KEPT * K::longest(p.x, p.dx)), std::min(parts[1], KEPT * K::longest(p.z, p.dz))};
         }
         return parts;
