@@ -92,6 +92,13 @@ class Assembly:
         self.amplitude = float(random.choice([0.0, 0.3, 1.0])) * GRAVITY
         self.frequency = float(random.uniform(1.0, 6.0))
 
+    def ground(self, count: int) -> Array:
+        """Acceleration of the ground at the ends of so many steps, m/s2, (count + 1, d)."""
+        ground = np.zeros((count + 1, self.d))
+        turns = 2 * np.pi * self.frequency * STEP * np.arange(count + 1)
+        ground[:, 0] = self.amplitude * np.sin(turns)
+        return ground
+
     def _add(self, corners: Array, lowest: Array, velocity: Array | float, turned: bool) -> None:
         """Add a convex body of uniform density whose lowest point is at a height."""
         d, random = self.d, self._random
@@ -191,9 +198,7 @@ def run(seed: int, end: float = 2.0) -> Outcome:
     """Build an assembly and run it."""
     assembly = Assembly(seed)
     world, d, count = assembly.world, assembly.d, round(end / STEP)
-    ground, shift = np.zeros((count + 1, d)), np.zeros((count, d))
-    turns = 2 * np.pi * assembly.frequency * STEP * np.arange(count + 1)
-    ground[:, 0] = assembly.amplitude * np.sin(turns)
+    ground, shift = assembly.ground(count), np.zeros((count, d))
     start = world.now()
     steps = start.followed_by(world.run(count, STEP, STEP / 4096, ground, shift))
     stored, exchanged = steps.stored.sum(axis=1), steps.exchanged

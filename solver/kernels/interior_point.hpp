@@ -95,6 +95,7 @@ template <int d> class InteriorPoint {
     bool solve(Island<d>& island, BlockLU<unknowns>& factors) {
         island.factored_stamp = -1;
         if (!begin(island)) return false;
+        double first = 0;
         for (int round = 0; round < ROUNDS; round++) {
             double product = 0, missing = 0;
             for (std::size_t i = 0; i < points_.size(); i++) {
@@ -105,8 +106,11 @@ template <int d> class InteriorPoint {
                 p.missing[0] -= norm_from(p.z, 1);
                 missing = std::max(missing, norm(p.missing));
             }
-            if (round == 0) first_ = product;
-            if (product <= ENOUGH * first_ && missing <= std::sqrt(ENOUGH) * fastest_) return finish(island);
+            if (round == 0) first = product;
+            if (product <= ENOUGH * first && missing <= std::sqrt(ENOUGH) * fastest_) {
+                write_impulses(island);
+                return true;
+            }
             if (!linearise(island, factors)) return false;
             const auto [of_x, of_z] = find_direction(island, factors, 0, false);
             const double left = 1 - std::min(of_x, of_z);
@@ -206,13 +210,12 @@ template <int d> class InteriorPoint {
         return parts;
     }
 
-    bool finish(Island<d>& island) const {
+    void write_impulses(Island<d>& island) const {
         for (std::size_t i = 0; i < points_.size(); i++) island.contacts[i]->impulse = points_[i].scaled(points_[i].x);
         island.move();
-        return true;
     }
 
-    double first_ = 0, fastest_ = 0;  // product of x and z at first, and speed in free motion
+    double fastest_ = 0;  // speed of the contacts without impulses
     std::vector<Point> points_;
     std::vector<Mat<d, d>> stiffness_;
     std::vector<Vec<unknowns>> step_;

@@ -6,7 +6,8 @@
 // as roots of P - project(P - r y) (Alart and Curnier 1991). Newton's method solves for the motions w
 // of the bodies, by sparse factors of M + G^T H G. Rows of rigid bodies are redundant as a rule: the
 // proximal term q W_own (P - anchor), added to y, makes the impulses unique; what it leaves of the law
-// is taken out at the end as far as round-off lets it (`finish`).
+// is taken out at the end as far as round-off lets it (`finish`). Where Newton's method cycles through
+// states, `interior_point.hpp` finds where it goes on from.
 #pragma once
 
 #include <unordered_map>
@@ -129,13 +130,18 @@ template <int d> class LocalProblem {
     static constexpr double ROUND_OFF = 64 * 2.2e-16;  // relative to the largest of all
     static constexpr double ENOUGH = 10;               // times what is tolerated: no need to go on
     static constexpr double SOFTNESS = 1e-5;           // q of the proximal term
-    static constexpr double MOST = 3;                  // of the compliance in it, times the least in the island
+    static constexpr double MOST_HELD = 3;             // of the compliance in it, times the least in the island
     static constexpr double SOFTEST = 1e4;
     static constexpr int FULL_STEPS = 10, ROUNDS = 60, PROXIMAL_ROUNDS = 40, FINISHING_ROUNDS = 30, SWEEPS = 1500;
 
     static void restore(I& island, const std::vector<Vec<d>>& impulses) {
         for (std::size_t i = 0; i < impulses.size(); i++) island.contacts[i]->impulse = impulses[i];
         island.move();
+    }
+
+    /// The compliance in the proximal term: own, but not more than what moves the heaviest bodies allows.
+    static double held_compliance(const I& island, std::size_t contact, int tangential) {
+        return std::min(island.own[contact][tangential], MOST_HELD * island.least[tangential]);
     }
 
     static double own_compliance(const Mat<d, unknowns>& rows, const Mat<unknowns, unknowns>& inverse_mass, int first, int last) {
@@ -196,7 +202,7 @@ template <int d> class LocalProblem {
             const auto &r = island.length[i], &own = island.own[i];
             k.y = island.reading(k);
             if (softness > 0)
-                for (int j = 0; j < d; j++) k.y[j] += softness * std::min(own[j > 0], MOST * island.least[j > 0]) * (k.impulse[j] - anchor_[i][j]);
+                for (int j = 0; j < d; j++) k.y[j] += softness * held_compliance(island, i, j > 0) * (k.impulse[j] - anchor_[i][j]);
             double moved = 0;
             for (int side = 0; side < 2; side++) {
                 const int body = side ? k.b : k.a;
@@ -308,7 +314,7 @@ template <int d> class LocalProblem {
             for (int a = 0; a < d; a++)
                 for (int b = 0; b < d; b++) {
                     const double r = island.length[i][b > 0];
-                    K.a[a][b] = (a == b) - J[a][b] + J[a][b] * r * softness * std::min(island.own[i][b > 0], MOST * island.least[b > 0]);
+                    K.a[a][b] = (a == b) - J[a][b] + J[a][b] * r * softness * held_compliance(island, i, b > 0);
                     J[a][b] *= r;
                 }
             if (!K.factorize()) return false;

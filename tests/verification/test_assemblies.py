@@ -20,12 +20,9 @@ def test_an_assembly_holds(seed: int) -> None:
 
 def test_an_interior_point_helps_where_newton_cycles() -> None:
     """A wall under 1 g whose bricks weigh up to 1e4 times as much as others."""
-    assembly = Assembly(6)
-    steps = 600
-    ground = np.zeros((steps + 1, 2))
-    turns = 2 * np.pi * assembly.frequency * STEP * np.arange(steps + 1)
-    ground[:, 0] = assembly.amplitude * np.sin(turns)
-    assembly.world.run(steps, STEP, STEP / 4096, ground, np.zeros((steps, 2)))
+    assembly, steps = Assembly(6), 600
+    shift = np.zeros((steps, assembly.d))
+    assembly.world.run(steps, STEP, STEP / 4096, assembly.ground(steps), shift)
     counts = assembly.world.counts()
     assert counts["interior"] > 20
     assert counts["failed"] < 0.1 * counts["interior"]
