@@ -53,11 +53,18 @@ inline Crossing crossing(const Vec<3>& P, const Vec<3>& u, const Vec<3>& Q, cons
             -dot(normal, between), normal};
 }
 
-/// Edges whose sine is below this count as parallel.
-constexpr double PARALLEL = 0.02;
+/// Edges whose sine is below this part no bodies, up to round-off.
+constexpr double PARALLEL = 1e-6;
+
+/// Sine of two edges of faces that lie on one another, below which their crossing is a point on a face:
+/// the normal across both turns with their small angle.
+constexpr double NEARLY_PARALLEL = 0.02;
 
 /// Cosine to a face's normal above which a normal across two edges belongs to that face.
 constexpr double ALONG_A_FACE = 0.98;
+
+/// What two computations of one distance differ by, of `inset`.
+constexpr double ROUND_OFF = 1e-3;
 
 /// Sine of the angle between faces above which they are not flush.
 constexpr double OBLIQUE = 1e-3;
@@ -79,20 +86,26 @@ template <int d> class NarrowPhase {
         const auto [face_b, apart_b] = best_face(B_, at_b_, at_a_);
         if (apart_b > margin_) return apart_b;
         const bool by_a = apart_a > apart_b;
-        const double apart = std::max(apart_a, apart_b);
-        const std::size_t before = found_.size();
-        if constexpr (d == 3) {
-            const double across = by_edges(apart);
-            if (across != -INFINITY) return across;
-        }
+        apart_ = std::max(apart_a, apart_b);
+        if constexpr (d == 3)
+            if (by_edges()) return apart_;
         if (by_a) clip(face_a, facing(at_b_, at_a_.normals[face_a]), true);
         else clip(facing(at_a_, at_b_.normals[face_b]), face_b, false);
-        // Corner on corner: no corner is over the other's face, though the bodies overlap.
-        if (apart < 0 && found_.size() == before) deepest_corners(by_a, by_a ? face_a : face_b);
-        return apart;
+        if (hides_overlap()) deepest_corners(by_a, by_a ? face_a : face_b);
+        return apart_;
     }
 
   private:
+    /// Whether bodies overlap by more than their features show: a corner on a corner is not over a face.
+    bool hides_overlap() const { return apart_ < 0 && least_ > apart_ + ROUND_OFF * inset_; }
+
+    /// Adds a feature if it is near, and shows no overlap of bodies that are apart.
+    void add(const Feature<d>& feature, double gap) {
+        if (gap >= margin_ || (gap < -ROUND_OFF * inset_ && apart_ > 0)) return;
+        found_.push_back(feature);
+        least_ = std::min(least_, gap);
+    }
+
     /// All corners of a body over a half-space.
     double above(bool half_space_is_a) {
         const PlacedShape<d>&body = half_space_is_a ? at_b_ : at_a_, &ground = half_space_is_a ? at_a_ : at_b_;
@@ -111,9 +124,8 @@ template <int d> class NarrowPhase {
         const PlacedShape<d>&own = corner_of_a ? at_a_ : at_b_, &other = corner_of_a ? at_b_ : at_a_;
         const double offset = (corner_of_a ? B_ : A_).faces[face].offset;
         const double gap = dot(other.normals[face], own.vertices[corner] - other.at.centre) - offset;
-        if (gap < margin_)
-            found_.push_back({corner_of_a ? a_ : b_, corner_of_a ? b_ : a_, Kind::CORNER_FACE, corner, face, 0, 1,
-                              (corner_of_a ? A_ : B_).vertices[corner], area_});
+        add({corner_of_a ? a_ : b_, corner_of_a ? b_ : a_, Kind::CORNER_FACE, corner, face, 0, 1,
+             (corner_of_a ? A_ : B_).vertices[corner], area_}, gap);
         return gap;
     }
 
@@ -160,7 +172,7 @@ template <int d> class NarrowPhase {
         double deepest = INFINITY;
         for (const Vec<d>& vertex : other.vertices) deepest = std::min(deepest, dot(normal, vertex));
         for (std::size_t i = 0; i < other.vertices.size(); i++)
-            if (dot(normal, other.vertices[i]) <= deepest + 1e-3 * inset_) corner_on_face(!by_a, static_cast<int>(i), face);
+            if (dot(normal, other.vertices[i]) <= deepest + ROUND_OFF * inset_) corner_on_face(!by_a, static_cast<int>(i), face);
     }
 
     /// By how much a's face is taken as smaller. Of oblique faces the one whose normal counts is taken as
@@ -201,12 +213,12 @@ template <int d> class NarrowPhase {
 
     // ---------------------------------------------------------------- in space
 
-    /// The pair of edges that separates the bodies best, if it does so better than their faces: its
-    /// features are added and its distance returned, else minus infinity.
+    /// Whether two edges separate the bodies better than their faces: then `apart_` is their distance, and
+    /// the features are added.
     ///
     /// Edges whose arcs on the sphere of normals cross make a face of the difference of both bodies
     /// (Gregorius 2013); only these can separate.
-    double by_edges(double apart) {
+    bool by_edges() {
         double most = -INFINITY;
         int edge_a = -1, edge_b = -1;
         Vec<3> axis{};
@@ -237,15 +249,16 @@ template <int d> class NarrowPhase {
                 }
             }
         }
-        if (most > margin_) return most;
-        if (edge_a < 0 || most <= apart + 1e-9 * A_.radius) return -INFINITY;
+        if (edge_a < 0 || most <= apart_ + 1e-9 * A_.radius) return false;
+        apart_ = most;
+        if (most > margin_) return true;
         const int near_a = facing(at_a_, axis), near_b = facing(at_b_, -1.0 * axis);
         const double along_a = -dot(axis, at_a_.normals[near_a]), along_b = dot(axis, at_b_.normals[near_b]);
         const std::size_t before = found_.size();
         if (std::max(along_a, along_b) >= ALONG_A_FACE) clip_polygons(near_a, near_b, along_a > along_b);
         // The faces beside the edges need not lie over each other where the edges cross.
-        if (found_.size() == before) edge_edge(edge_a, edge_b, axis, -1);
-        return most;
+        if (found_.size() == before || hides_overlap()) edge_edge(edge_a, edge_b, axis, -1);
+        return true;
     }
 
     /// Adds the crossing of two edges; nearly parallel ones as a point on a face of b, if there is one.
@@ -253,11 +266,11 @@ template <int d> class NarrowPhase {
         const Edge &x = A_.edges[edge_a], &y = B_.edges[edge_b];
         const Vec<3> P = at_a_.vertices[x.from], u = at_a_.vertices[x.to] - P;
         const Vec<3> Q = at_b_.vertices[y.from], v = at_b_.vertices[y.to] - Q, across = cross(u, v);
-        if (norm(across) > PARALLEL * norm(u) * norm(v)) {
+        if (norm(across) > (face_b < 0 ? PARALLEL : NEARLY_PARALLEL) * norm(u) * norm(v)) {
             const double sign = dot(across, up) > 0 ? 1 : -1;
             const Crossing found = crossing(P, u, Q, v, sign);
             if (dot(found.normal, up) > 0.5) {
-                if (found.gap < margin_) found_.push_back({a_, b_, Kind::EDGE_EDGE, edge_a, edge_b, 0, sign, {}, area_});
+                add({a_, b_, Kind::EDGE_EDGE, edge_a, edge_b, 0, sign, {}, area_}, found.gap);
                 return;
             }
         }
@@ -267,9 +280,8 @@ template <int d> class NarrowPhase {
         if (std::fabs(rate) < 1e-14 * norm(u) * norm(v)) return;
         const double s = std::clamp(dot(beside, Q - P) / rate, 0.0, 1.0);
         const double gap = dot(at_b_.normals[face_b], P + s * u - at_b_.at.centre) - B_.faces[face_b].offset;
-        if (gap < margin_)
-            found_.push_back({a_, b_, Kind::EDGE_FACE, edge_a, face_b, edge_b, 1,
-                              A_.vertices[x.from] + s * (A_.vertices[x.to] - A_.vertices[x.from]), area_});
+        add({a_, b_, Kind::EDGE_FACE, edge_a, face_b, edge_b, 1,
+             A_.vertices[x.from] + s * (A_.vertices[x.to] - A_.vertices[x.from]), area_}, gap);
     }
 
     /// The corners of the overlap of two faces, seen along the normal of one of them.
@@ -353,6 +365,8 @@ template <int d> class NarrowPhase {
     double margin_, inset_;
     std::vector<Feature<d>>& found_;
     double area_ = 0;
+    double apart_ = 0;         // along the axis that separates the bodies best so far
+    double least_ = INFINITY;  // gap of the features
 };
 
 }  // namespace rockslip
