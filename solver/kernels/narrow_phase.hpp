@@ -97,11 +97,15 @@ template <int d> class NarrowPhase {
 
   private:
     /// Whether bodies overlap by more than their features show: a corner on a corner is not over a face.
-    bool hides_overlap() const { return apart_ < 0 && least_ > apart_ + ROUND_OFF * inset_; }
+    bool hides_overlap() const {
+        const double hair = ROUND_OFF * inset_;
+        return apart_ < hair && least_ > apart_ + hair;
+    }
 
-    /// Adds a feature if it is near, and shows no overlap of bodies that are apart.
+    /// Adds a feature if it is near, unless it shows an overlap of bodies that are apart.
     void add(const Feature<d>& feature, double gap) {
-        if (gap >= margin_ || (gap < -ROUND_OFF * inset_ && apart_ > 0)) return;
+        const double hair = ROUND_OFF * inset_;
+        if (gap >= margin_ || (apart_ > -hair && gap < std::min(apart_, 0.0) - hair)) return;
         found_.push_back(feature);
         least_ = std::min(least_, gap);
     }

@@ -164,13 +164,12 @@ def test_every_overlap_is_shown_and_no_other(
         ]
         found, gaps = look(world, shapes, list(zip([np.zeros(d), place], turns, strict=True)))
         least = gaps.min() if len(gaps) else np.inf
-        if true > 0 and kind == "corner on corner":
-            # No axis parts corners as far as they are; in space a face may show 1e-7 too much.
-            assert least > -(ACCURACY if d == 2 else 1e-7)
-            continue
         if -0.05 < true < 0:
             assert found == pytest.approx(true, abs=ACCURACY)
             assert least < true + ACCURACY
-        if true > ACCURACY:
-            assert found == pytest.approx(true, abs=ACCURACY) or found > MARGIN
+        if true > 0:
+            # Bodies that are apart are so along many axes, and the best of these need not be found.
+            assert -ACCURACY < found <= true + ACCURACY or found > MARGIN
             assert least > -ACCURACY
+        if true > ACCURACY:
+            assert found > 0
