@@ -1,0 +1,12 @@
+#include "python.hpp"
+
+namespace rockslip::python {
+namespace {
+
+}  // namespace
+
+std::vector<PyMethodDef> facet_functions() {
+    return {};
+}
+
+}  // namespace rockslip::python
