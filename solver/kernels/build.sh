@@ -23,24 +23,18 @@ digest() { # of what is read, in 16 digits
 }
 
 # -O3 is a quarter faster than -O2, with the same bits. For any processor of its kind, and without fused
-# multiply-adds, which only some of them have: numbers do not depend on the machine. The files are compiled
-# side by side; the headers are those of the Python that is to load the library: $PYTHON, or python3.
+# multiply-adds, which only some of them have: numbers do not depend on the machine. The headers are those of
+# the Python that is to load the library: $PYTHON, or python3.
 compile() { # FILE [OPTION ...]
-    local file=$1 objects headers source jobs=()
+    local file=$1 headers
     shift
     collect_sources
-    headers=$("${PYTHON:-python3}" -c 'import numpy, sysconfig as s; print("-isystem" + s.get_path("include"), "-isystem" + numpy.get_include())')
-    objects=$(mktemp -d "$file.XXXXXX")
-    for source in "$here"/*.cpp; do
-        # shellcheck disable=SC2086 # $CXX may have options
-        $compiler -std=c++17 -O3 -ffp-contract=off -fPIC -fno-semantic-interposition $headers \
-            -DROCKSLIP_SOURCES="\"$(cat "${sources[@]}" | digest)\"" "$@" -c "$source" -o "$objects/$(basename "$source").o" &
-        jobs+=($!)
-    done
-    for job in "${jobs[@]}"; do wait "$job" || { rm -rf "$objects"; return 1; }; done
-    # shellcheck disable=SC2086
-    $compiler -shared -Wl,--version-script="$here/symbols.map" "$@" "$objects"/*.o -o "$file" || { rm -rf "$objects"; return 1; }
-    rm -rf "$objects"
+    headers=$("${PYTHON:-python3}" -c 'import numpy, sysconfig
+print("-isystem", sysconfig.get_path("include"), "-isystem", numpy.get_include())')
+    # shellcheck disable=SC2086 # $CXX may have options
+    $compiler -std=c++17 -O3 -ffp-contract=off -fPIC -shared -fno-semantic-interposition $headers \
+        -Wl,--version-script="$here/symbols.map" -DROCKSLIP_SOURCES="\"$(cat "${sources[@]}" | digest)\"" \
+        "$@" "$here"/*.cpp -o "$file"
 }
 
 say() { echo "in-env: $*" >&2; }
@@ -70,7 +64,7 @@ provide() { # CACHE SHOWN: sets ROCKSLIP_KERNELS
         flock 9 || true # where the system has no locks, both build
     fi
     if [ ! -e "$ROCKSLIP_KERNELS" ]; then
-        say "building the kernels: some 10 s, once"
+        say "building the kernels: some 20 s, once"
         new=$folder/new.$HOSTNAME.$$
         trap 'rm -f "$new"' EXIT
         trap 'exit 130' HUP INT TERM

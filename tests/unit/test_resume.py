@@ -133,7 +133,7 @@ def test_what_is_killed_ten_times_ends_the_same(tmp_path: Path) -> None:
     text += '[output]\nfields = "none"\ncheckpoint = { steps = 100 }\n'
     (tmp_path / "scene.toml").write_text(text)
     command = [sys.executable, "-m", "solver", "run", "-q"]
-    environment = outside_mpirun() | {"ROCKSLIP_NO_NUMBA": "1"}
+    environment = outside_mpirun()
 
     def started(*words: str) -> subprocess.Popen[str]:
         return subprocess.Popen(

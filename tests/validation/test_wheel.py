@@ -45,7 +45,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> ZipFile:
     assert built.returncode == 0, built.stdout + built.stderr
     (file,) = (folder / "out").iterdir()
     platform = sysconfig.get_platform().replace("-", "_")
-    assert file.name == f"rockslip-{VERSION}-py3-none-{platform}.whl"
+    assert file.name == f"rockslip-{VERSION}-cp311-abi3-{platform}.whl"
     return ZipFile(file)
 
 
