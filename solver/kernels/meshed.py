@@ -14,6 +14,6 @@ def __getattr__(name: str) -> Any:
     """A function of the library; all of them are here afterwards."""
     if name.startswith("__"):
         raise AttributeError(name)
-    functions = vars(module("meshed"))
-    globals().update({key: each for key, each in functions.items() if not key.startswith("_")})
-    return functions[name]
+    functions = module("meshed")
+    globals().update({key: each for key, each in vars(functions).items() if not key.startswith("_")})
+    return getattr(functions, name)

@@ -23,7 +23,7 @@ namespace rockslip::python {
 inline PyTypeObject* ndarray = nullptr;
 
 /// An argument that is not what a function takes; Python's exception is set.
-struct Refused {};
+struct Refused : std::exception {};
 
 template <class T> constexpr const char* NAME = "float64";
 template <> inline constexpr const char* NAME<std::int64_t> = "int64";
@@ -96,9 +96,8 @@ template <class R, class... A, R (*function)(A...)> struct Function<function> {
         if (count != wanted) return PyErr_Format(PyExc_TypeError, "got %zd arguments; allowed are %zd", count, wanted);
         try {
             return run(given, std::index_sequence_for<A...>{});
-        } catch (const Refused&) {
         } catch (const std::exception& error) {
-            PyErr_SetString(PyExc_RuntimeError, error.what());
+            if (!PyErr_Occurred()) PyErr_SetString(PyExc_RuntimeError, error.what());
         }
         return nullptr;
     }

@@ -50,7 +50,8 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> ZipFile:
 
 
 def test_it_holds_all_modules_and_the_kernels(wheel: ZipFile) -> None:
-    sources = [file for name in PACKAGES for file in (ROOT / name).rglob("*.py")]
+    sources = [file for name in PACKAGES for file in (ROOT / name).rglob("*.py*")]
+    sources = [file for file in sources if file.suffix in (".py", ".pyi")]
     modules = {str(file.relative_to(ROOT)) for file in sources} | {"rockslip.py"}
     modules.add("solver/kernels/librockslip.so")
     names = {name for name in wheel.namelist() if ".dist-info/" not in name}
