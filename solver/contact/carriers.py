@@ -84,7 +84,7 @@ class Plane:
 
     def __init__(self, frame: Array, origin: Array, platform: RigidPoints | None = None):
         """Take rows normal and tangents, (d, d), a point of the plane, m, and one of a platform."""
-        self.frame, self.origin, self.points = frame, origin, platform
+        self.frame, self.origin, self.points = np.ascontiguousarray(frame), origin, platform
 
     @classmethod
     def level(cls, dimension: int, platform: RigidPoints | None = None) -> Plane:

@@ -29,7 +29,6 @@ from solver.contact.body_points import (
 )
 from solver.contact.carriers import Carrier, Face
 from solver.contact.kernels.memory import after_step, squared_change, stored_energy
-from solver.contact.kernels.nitsche import NitscheState, TractionPull, augment
 from solver.contact.kinematics import (
     ContactIncrement,
     ContactKinematics,
@@ -39,7 +38,8 @@ from solver.contact.kinematics import (
     spread,
 )
 from solver.contact.memory import CornerPoints, Dissipation, Memory
-from solver.contact.nitsche_points import theta_matrix
+from solver.contact.nitsche_points import NitscheState, TractionPull, theta_matrix
+from solver.kernels import meshed
 from solver.law.friction import (
     Bounds,
     FrictionLaws,
@@ -158,7 +158,7 @@ class Interface:
         if not isinstance(surface, NitscheState):
             return kinematics
         y = np.empty(kinematics.place.shape)
-        augment(kinematics.place, surface.traction, self.inverse_gamma, kinematics.frame, y)
+        meshed.augment(kinematics.place, surface.traction, self.inverse_gamma, kinematics.frame, y)
         return kinematics._replace(augmented=y)
 
     def start(self, u: Array | None, carrier_u: Array | None, rotation: Array) -> Memory:

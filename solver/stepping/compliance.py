@@ -98,7 +98,8 @@ class Compliance:
         self._compute_missing(chosen)
         if not same(chosen, self._chosen):
             rows = self._expand(self._place[chosen])
-            self._chosen, self._among = chosen, self._matrix[np.ix_(rows, rows)]
+            self._chosen = chosen
+            self._among = np.ascontiguousarray(self._matrix[np.ix_(rows, rows)])
         return self._among
 
     def displacement(self, ports: Indices, forces: Array) -> Array:
