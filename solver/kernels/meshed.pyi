@@ -218,4 +218,241 @@ def add_compliance(
         turns: Of the body.
         C: Its compliance in the frame that turns with it, (m, d, m, d), m/N.
         share: How much of each point's force the body gets, (m,).
+# ---- FACETS
+
+def project_onto_facets(
+    facets: Indices,
+    powers: Indices,
+    factors: Array,
+    derivatives: Array,
+    undeformed: Array,
+    meeting: Indices,
+    first: Indices,
+    along: Array,
+    corners: int,
+    margin: float,
+    position: Array,
+    carrier: Array,
+    frame: Array,
+    place: Array,
+    nodes: Indices,
+    weights: Array,
+    slope: Array,
+    stretch: Array,
+    beyond_edge: Mask,
+    /,
+) -> None:
+    """Fill in gaps and tangential positions (m, d) of points over a face, and their closest.
+
+    First the fields of the `FacetShapes` of the face (solver/contact/carriers.py); it is linear or
+    quadratic. Then positions of the points in space, (m, d), m, those of its nodes, (n, d), and the
+    rows normal and tangents of a frame, (d, d). Filled in are the place (g, s), (m, d), m, and the
+    fields of the `ClosestPoints` of the points (solver/contact/kinematics.py).
+    """
+
+def interpolated(nodes: Indices, weights: Array, values: Array, found: Array, /) -> None:
+    """Fill in what nodal values (n, d) are at places (m, d), by nodes and weights (m, k)."""
+
+def add_spread(
+    nodes: Indices, weights: Array, factor: float, vectors: Array, target: Array, /
+) -> None:
+    """Add a factor times forces at places, (m, d), to those on the nodes, (n, d), the target."""
+
+def forces_in_space(
+    old_nodes: Indices,
+    old_weights: Array,
+    old_slope: Array,
+    old_stretch: Array,
+    old_place: Array,
+    old_position: Array,
+    nodes: Indices,
+    weights: Array,
+    slope: Array,
+    stretch: Array,
+    place: Array,
+    position: Array,
+    frame: Array,
+    facet: float,
+    force: Array,
+    vectors: Array,
+    /,
+) -> None:
+    """Fill in vectors in space (m, d) of normal and tangential forces, whose work is exact.
+
+    They are f_n (n - kappa t) + a^-T f_t.
+
+    First the foot points at t_n and those at t_{n+1}, each as `FootPointArrays` of
+    solver/contact/carriers.py. Then rows normal and tangents of the face, (d, d), the length of its
+    smallest facet, m, normal and tangential forces, (m, d), N, and the vectors, N.
+    """
+
+def work_defect(
+    old_nodes: Indices,
+    old_weights: Array,
+    old_slope: Array,
+    old_stretch: Array,
+    old_place: Array,
+    old_position: Array,
+    nodes: Indices,
+    weights: Array,
+    slope: Array,
+    stretch: Array,
+    place: Array,
+    position: Array,
+    frame: Array,
+    facet: float,
+    force: Array,
+    /,
+) -> float:
+    """Work of these vectors less that of the forces (m, d), N, on (g, s), J.
+
+    Only closest points of closed points that hardly move have any: kappa . e_t is not e_n there,
+    nor a^-1 e_t ds. Arguments as of `forces_in_space`.
+    """
+
+# ---- ROTATIONS
+
+def polar_factor(moment: Array, rotation: Array, /) -> None:
+    """Fill in the rotation (d, d) nearest to a matrix: its polar factor (Kabsch 1976)."""
+
+def best_rotation(u: Array, moment_row: Array, moment: Array, rotation: Array, /) -> None:
+    """Fill in the rotation that fits a displacement (n d,) best, from the moments of its mass.
+
+    Args:
+        u: Displacements of the nodes, (n d,), m.
+        moment_row: M times the places of the nodes from the centre, (n, d), kg m.
+        moment: Sum of these places times their moments, (d, d), kg m2.
+        rotation: (d, d); filled in.
+    """
+
+def turn_by(vector: Array, rotation: Array, /) -> None:
+    """Fill in the rotation by an angle (1,), clockwise, or by a vector in space (3,), rad."""
+
+def vector_of(rotation: Array, vector: Array, /) -> None:
+    """Fill in the rotation vector (3,) of a rotation in space, rad: as long as its angle."""
+
+def turning_ahead(
+    spin: Array, before: Array, last_rate: Array, last: float, dt: float, turning: Array, /
+) -> None:
+    """Fill in how a body turns in a coming step: rates, those of them to count on, and angles.
+
+    What an impact did cannot be counted on: it is the smaller of two changes of the angular
+    velocity, and none where they go different ways.
+
+    Args:
+        spin: Angular velocity at its start, (n,), rad/s.
+        before: That at the start of the last step.
+        last_rate: Change of the angular velocity in the last step, (n,), rad/s2.
+        last: Length of the last step, s.
+        dt: Length of the coming one, s.
+        turning: The three, (3, n), rad/s2 and rad; filled in.
+    """
+
+# ---- BODIES AS A WHOLE
+
+def momenta(
+    arm: Array, u: Array, v: Array, momentum: Array, directional_mass: Array, sums: Array, /
+) -> None:
+    """Fill in sums over the nodes of a body: m u and m v, (d,) each, (arm + u) x M v, and v.M v.
+
+    The moments are about the axes of space; in the plane there is one, which turns clockwise.
+
+    Args:
+        arm: Places of the nodes from the centre of the undeformed body, (n, d), m.
+        u: Displacements, (n d,), m.
+        v: Velocities, (n d,), m/s.
+        momentum: M v, (n d,), kg m/s.
+        directional_mass: Mass of each unknown in motion along each direction, (d, n d), kg.
+        sums: The sums, (2 d + 2,) or in space (2 d + 4,); filled in.
+    """
+
+def resultant(forces: Array, total: Array, /) -> None:
+    """Fill in the sum (d,) of forces on nodes, one after another in (n d,), N."""
+
+def velocities(
+    sums: Array, mass: float, rotation: Array, inertia: Array, motion: Array, spin: Array, /
+) -> None:
+    """Fill in how a body moves as a whole, by sums over its nodes as `momenta` gives them.
+
+    Args:
+        sums: Over the nodes of all ranks.
+        mass: Of the body, kg.
+        rotation: That fits its displacement best, (d, d).
+        inertia: Inertia tensor of the unrotated body about its centre, (3, 3), in the plane its
+            polar inertia, (1, 1), kg m2.
+        motion: Displacement (m) and velocity (m/s) of the centre, (2, d); filled in.
+        spin: Angular velocity, (1,) or (3,), rad/s; filled in.
+    """
+
+def move_on(arm: Array, u: Array, moved: Array, vector: Array, way: Array, after: Array, /) -> None:
+    """Fill in displacements of a body that turns and moves on as a whole, its strains unchanged.
+
+    Args:
+        arm: Places of the nodes from the centre of the undeformed body, (n, d), m.
+        u: Displacements before, (n d,), m.
+        moved: That of the centre, (d,), m.
+        vector: Angle (1,) or rotation vector (3,) by which the body turns, rad.
+        way: How far its centre moves, (d,), m.
+        after: Displacements after, (n d,), m; filled in.
+    """
+
+def turn_all(vectors: Array, vector: Array, turned: Array, /) -> None:
+    """Fill in vectors, one after another in (n d,), turned by an angle (1,) or a vector (3,)."""
+
+# ---- POINTS THAT CARRY A BLOCK
+
+def touching(force: Array, place: Array, may_touch: Mask, level: float, touch: Mask, /) -> None:
+    """Fill in which points touch (n,): closed ones, or else the lowest one and all as low.
+
+    Where no point may touch, these are all.
+
+    Args:
+        force: Of the points, normal part first, (n, d), N.
+        place: Theirs, (g, s), (n, d), m.
+        may_touch: Which of them may touch, (n,).
+        level: Points within it of the lowest one are as low, m.
+        touch: (n,); filled in.
+    """
+
+def mean_slip(
+    force: Array, place: Array, may_touch: Mask, level: float, reference: Array, slip: Array, /
+) -> None:
+    """Fill in the mean slip of the points that touch, (d - 1,), m, from their reference positions.
+
+    These are (n, d - 1), nan where one is not known yet: then the slip is nan. The other arguments
+    are as of `touching`.
+    """
+
+def penetration(place: Array, inside: Mask, /) -> float:
+    """Largest penetration of the points of an interface, m; 0 if none penetrates.
+
+    By the places of all, (n, d), and which of them are over their carrier.
+    """
+
+# ---- VALUES CELL BY CELL, AND COLUMNS
+
+def read_cells(values: Array, index: Indices, table: Array, first: int, /) -> None:
+    """Fill in k columns of a table, (cells, any), from a first one on, by places among values.
+
+    Args:
+        values: All values.
+        index: Place among them of each number of a cell, (cells, k).
+        table: The table; those columns are filled in.
+        first: Number of the first of them.
+    """
+
+def place_in_cells(u: Array, values: Array, index: Indices, table: Array, first: int, /) -> None:
+    """Let u be the first of the values, and read the table anew, where it is not so already.
+
+    The other arguments are as of `read_cells`; the values are filled in, too.
+    """
+
+def add_columns(columns: Array, place: Indices, forces: Array, moved: Array, /) -> None:
+    """Add to displacements what forces do, by columns; those without force are not read.
+
+    Args:
+        columns: As kept, (ports d, unknowns), m/N.
+        place: Places of the ports among them, (m,).
+        forces: At the ports, (m, d), N.
+        moved: (unknowns,), m; added to.
     """
