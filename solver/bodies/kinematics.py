@@ -9,27 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.kernels import meshed
-from solver.law.compiled import compiled
 from solver.types import Array
-
-
-@compiled
-def polar_factor(moment: Array, rotation: Array) -> None:
-    """Fill in the rotation (d, d) nearest to a matrix: its polar factor (Kabsch 1976)."""
-    if len(moment) == 2:
-        c, s = moment[0, 0] + moment[1, 1], moment[1, 0] - moment[0, 1]
-        length = math.sqrt(c * c + s * s)
-        rotation[0, 0] = rotation[1, 1] = c / length
-        rotation[1, 0], rotation[0, 1] = s / length, -s / length
-        return
-    left, _, right = np.linalg.svd(moment)
-    if np.linalg.det(left) * np.linalg.det(right) < 0.0:
-        left[:, -1] *= -1.0
-    rotation[:] = 0.0
-    for i in range(len(rotation)):
-        for j in range(len(rotation)):
-            for k in range(len(rotation)):
-                rotation[i, j] += left[i, k] * right[k, j]
 
 
 class RigidMotion(NamedTuple):

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from solver.kernels import meshed
-from solver.law.compiled import compiled
 from solver.types import Array, Mask
 
 if TYPE_CHECKING:
@@ -97,37 +96,10 @@ class Bounds(NamedTuple):
         """One coefficient for m points, no cohesion."""
         return cls(np.full(m, mu, dtype=np.float64), np.zeros(m))
 
-
-@compiled
-def is_frictionless(bounds: Bounds) -> bool:
-    """True if no point holds any tangential force."""
-    for i in range(len(bounds.mu)):
-        if bounds.mu[i] > 0.0 or bounds.cohesion[i] > 0.0:
-            return False
-    return True
-
-
-@compiled
-def line(bounds: Bounds, i: int, normal: float) -> tuple[float, float]:
-    """Slope and intercept of the bound of point i at a normal force > 0."""
-    if bounds.slope * normal < bounds.cohesion[i]:
-        return bounds.mu[i] + bounds.slope, 0.0
-    return bounds.mu[i], bounds.cohesion[i]
-
-
-@compiled
-def radius(bounds: Bounds, i: int, normal: float) -> float:
-    """The bound of |f_t| of point i, N; 0 where it is open."""
-    if not normal > 0.0:
-        return 0.0
-    slope, intercept = line(bounds, i, normal)
-    return slope * normal + intercept
-
-
-@compiled
-def at_bound(bounds: Bounds, i: int, normal: float, tangential: float) -> bool:
-    """True if closed point i holds all the friction that it can: |f_t| is at its bound."""
-    return normal > 0.0 and tangential >= radius(bounds, i, normal) * (1.0 - BOUND_ROUND_OFF)
+    @property
+    def frictionless(self) -> bool:
+        """True if no point holds any tangential force."""
+        return not (np.any(self.mu > 0.0) or np.any(self.cohesion > 0.0))
 
 
 def points_at_bound(force: Array, bounds: Bounds) -> Mask:
