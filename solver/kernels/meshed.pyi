@@ -8,12 +8,12 @@ from solver.types import Array, Indices, Mask
 
 # ---- Local problem with a dense compliance
 #
-# dense_problem.hpp states the problem. It is handed over by d (rows of a point: 3 in space, 2 in the
-# plane, 1 without friction), W (compliance, (d m, d m), m/N; rows of a point side by side, normal
-# first), q (free values, (d m,), m) and the bounds of friction: mu (m,), cohesion (m,), N, and slope.
-# States of points, (m,): 0 open, 1 stick, 2 slip, 3 slip while cohesion is built up; for d = 2 those of
-# slip carry the sign of the friction force. Forces are (d m,), N; the lengths r, normal and tangential,
-# (m, 2), N/m.
+# dense_problem.hpp states the problem. It is handed over by d (rows of a point: 3 in space, 2 in
+# the plane, 1 without friction), W (compliance, (d m, d m), m/N; rows of a point side by side,
+# normal first), q (free values, (d m,), m) and the bounds of friction: mu (m,), cohesion (m,), N,
+# and slope. States of points, (m,): 0 open, 1 stick, 2 slip, 3 slip while cohesion is built up; for
+# d = 2 those of slip carry the sign of the friction force. Forces are (d m,), N; the lengths r,
+# normal and tangential, (m, 2), N/m.
 
 def product(matrix: Array, vector: Array, found: Array) -> None:
     """Fill in the product of a square matrix and a vector."""

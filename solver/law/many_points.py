@@ -156,7 +156,7 @@ class ManyPoints:
         """The root of f - P(f - r y), linearised at `trial`, from forces before it."""
         from scipy.linalg import lu_factor, lu_solve
 
-        rows = np.empty(len(trial), np.int64)
+        rows: Indices = np.empty(len(trial), np.int64)
         rows = rows[: meshed.unknowns(*local, states, rows)]
         A, right = np.empty((len(rows), len(rows))), np.empty(len(rows))
         meshed.equations(*local, r, trial, states, rows, A, right)
