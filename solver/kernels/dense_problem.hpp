@@ -45,7 +45,7 @@ struct DenseLimits {
     static constexpr double EXACT = 0.02;                    // part of these errors that no further step makes smaller
     static constexpr std::int64_t ROUNDS = 20;               // Newton's linear solves, and two more for each point
     static constexpr std::int64_t EASED_ROUNDS = 30;         // the same for an eased problem
-    static constexpr std::int64_t POLISHING_ROUNDS = 6;      // for the problem itself, from the solution of an eased one
+    static constexpr std::int64_t POLISHING_ROUNDS = 6;      // for the problem itself, from an eased one's solution
     static constexpr std::int64_t HALVINGS = 12;             // of a step by the line search
     static constexpr int PROXIMAL_ROUNDS = 100;              // problems with a proximal term that are tried
     static constexpr double SOFTNESS = 1e-2;                 // the first term, relative to the diagonal of W

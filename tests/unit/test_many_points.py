@@ -8,7 +8,7 @@ import pytest
 from solver.kernels import meshed
 from solver.law import many_points
 from solver.law.friction import Bounds
-from solver.law.local_problem import LocalProblem, image, new_counts, solve_points
+from solver.law.local_problem import LocalProblem, image, new_counts
 from solver.law.many_points import MANY_ROWS, ManyPoints, gmres
 from solver.law.velocity import impulse_correction
 
@@ -80,7 +80,7 @@ def test_the_answer_is_that_of_the_small_solver(case: str, d: int) -> None:
     assert q.size > MANY_ROWS
     bounds = Bounds(np.full(m, mu), np.full(m, cohesion))
     small = np.zeros((m, d))
-    assert solve_points(W, q, *bounds, small, new_counts())
+    assert meshed.solve_points(W, q, *bounds, small, new_counts())
     many = LocalProblem().solve(W, q, np.zeros((m, d)), bounds)
     np.testing.assert_allclose(many, small, rtol=0, atol=1e-9 * np.abs(small).max())
     assert law_violation(W, q, many, bounds) < 1e-10
