@@ -201,7 +201,8 @@ template <int d> class FacetProjection {
     /// `derivative(j, a)` is that of the shape function of its node a along coordinate j, `undeformed` the
     /// inverse of the derivatives of the undeformed tangential positions, 1/m.
     template <class Derivative>
-    SlopeAndStretch<t> slope_and_stretch(const std::int64_t* nodes, Derivative derivative, const Mat<t, t>& undeformed) const {
+    SlopeAndStretch<t> slope_and_stretch(const std::int64_t* nodes, Derivative derivative,
+                                         const Mat<t, t>& undeformed) const {
         Vec<t> rise{};
         Mat<t, t> flat{};
         for (int a = 0; a < k_; a++) {
@@ -340,8 +341,8 @@ template <int d> class FacetProjection {
     int k_;  // nodes of a facet
     bool is_triangle_;
     std::array<std::array<double, MOST_NODES>, MOST_NODES> factors_;  // of a monomial in all shape functions
-    std::vector<Vec<d>>& placed_ = room<Vec<d>>();       // where the nodes are in the frame, m
-    std::vector<Spanned>& spanned_ = room<Spanned>();    // the facets
+    std::vector<Vec<d>>& placed_ = room<Vec<d>>();     // where the nodes are in the frame, m
+    std::vector<Spanned>& spanned_ = room<Spanned>();  // the facets
 };
 
 /// Foot points on a face at one instant.
@@ -366,7 +367,8 @@ template <int d> struct ProjectionIncrement {
 
     /// Takes the number of the point, foot points at t_n and t_{n+1}, rows normal and tangents of the
     /// face, and the length of its smallest facet, m.
-    ProjectionIncrement(std::ptrdiff_t p, const FootPoints& old, const FootPoints& now, const Mat<d, d>& frame, double facet) {
+    ProjectionIncrement(std::ptrdiff_t p, const FootPoints& old, const FootPoints& now, const Mat<d, d>& frame,
+                        double facet) {
         Vec<d> moved{};
         for (std::ptrdiff_t k = 0; k < now.nodes.length(1); k++) {
             const double *old_first = &old.position(old.nodes(p, k), 0), *new_first = &now.position(old.nodes(p, k), 0);

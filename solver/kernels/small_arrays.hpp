@@ -34,13 +34,13 @@ template <int d> Vec<d> vector_at(const double* place) {
 
 /// Fills in an array by a vector.
 template <std::size_t n> void fill_in(const Output<1>& array, const Numbers<n>& vector) {
-    if (array.length() != static_cast<std::ptrdiff_t>(n)) throw std::invalid_argument("an array has not room for a vector");
+    if (array.size() != static_cast<std::ptrdiff_t>(n)) throw std::invalid_argument("an array is no room for a vector");
     std::copy(vector.begin(), vector.end(), array.begin());
 }
 
 /// Fills in an array by a matrix.
 template <std::size_t r, std::size_t c> void fill_in(const Output<2>& array, const std::array<Numbers<c>, r>& matrix) {
-    if (array.length(0) != static_cast<std::ptrdiff_t>(r)) throw std::invalid_argument("an array has not room for a matrix");
+    if (array.size() != static_cast<std::ptrdiff_t>(r * c)) throw std::invalid_argument("an array is no room for a matrix");
     for (std::size_t i = 0; i < r; i++) fill_in(array[static_cast<std::ptrdiff_t>(i)], matrix[i]);
 }
 
