@@ -40,7 +40,8 @@ template <std::size_t n> void fill_in(const Output<1>& array, const Numbers<n>& 
 
 /// Fills in an array by a matrix.
 template <std::size_t r, std::size_t c> void fill_in(const Output<2>& array, const std::array<Numbers<c>, r>& matrix) {
-    if (array.size() != static_cast<std::ptrdiff_t>(r * c)) throw std::invalid_argument("an array is no room for a matrix");
+    if (array.size() != static_cast<std::ptrdiff_t>(r * c))
+        throw std::invalid_argument("an array is no room for a matrix");
     for (std::size_t i = 0; i < r; i++) fill_in(array[static_cast<std::ptrdiff_t>(i)], matrix[i]);
 }
 
