@@ -102,7 +102,8 @@ inline std::tuple<double, double> changed_forces(const InterfaceState& before, c
         const bool slipped = together_before && before.past[p].slipped && (!rigid || before.closed(p));
         const bool slips = together_after && after.past[p].slipped && (!rigid || after.closed(p));
         double turned = 0;
-        for (std::ptrdiff_t k = 1; k < before.force.length(1); k++) turned += before.force(p, k) * after.force(p, k);
+        for (std::ptrdiff_t k = 1; k < before.force.length(1); k++)
+            turned += before.force(p, k) * after.force(p, k);
         const bool changed = before.closed(p) != after.closed(p) || slipped != slips || (slipped && turned < 0);
         const double larger = std::max(before.size(p), after.size(p));
         carried += larger;
