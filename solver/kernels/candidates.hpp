@@ -19,13 +19,13 @@ enum Settled : std::int64_t {
 
 /// All contact points after a free step.
 struct FreePoints {
-    Array<2> y;         // augmented positions, (points, d), m
-    Array<1> margin;    // gaps below which points may come into contact, (points,), m
-    Mask<1> may_touch;  // (points,)
-    Array<2> anchor;    // stick memory, (points, d-1), m
-    Array<1> softness;  // of the interface, (points,), m/N: no part of y
-    Array<2> held;      // forces that those so far are compared with, (points, d), N
-    Array<1> bed;       // softness of the beds below them, (points,), m/N
+    Array<2> y;          // augmented positions, (points, d), m
+    Array<1> margin;     // gaps below which points may come into contact, (points,), m
+    Mask<1> may_touch;   // (points,)
+    Array<2> anchor;     // stick memory, (points, d-1), m
+    Array<1> softness;   // of the interface, (points,), m/N: no part of y
+    Array<2> held;       // forces that those so far are compared with, (points, d), N
+    Array<1> bed;        // softness of the beds below them, (points,), m/N
     Array<1> round_off;  // of the gaps, (points,), m
 };
 
@@ -54,7 +54,8 @@ inline bool sinks_in(Array<2> y, Array<1> round_off, Mask<1> may_touch, Mask<1> 
 
 /// Fills in a guess of the forces of near points, (m, d), N, from those of all so far, and free values q with
 /// y = q + W f, (m, d), m.
-inline void free_values(const FreePoints& points, const NearPoints& near, Array<2> force, Output<2> start, Output<2> q) {
+inline void free_values(const FreePoints& points, const NearPoints& near, Array<2> force, Output<2> start,
+                        Output<2> q) {
     const std::ptrdiff_t m = q.length(), d = q.length(1);
     bool pressed = false;
     for (std::ptrdiff_t i = 0; i < m; i++)
@@ -72,7 +73,8 @@ inline void free_values(const FreePoints& points, const NearPoints& near, Array<
             if (k > 0) value -= points.anchor(p, k - 1);
             q(i, k) = value;
         }
-        if (!pressed && std::fabs(q(i, 0)) < points.round_off[p]) q(i, 0) = 0;  // nothing tells that such a gap is small
+        // Nothing tells that such a gap is small.
+        if (!pressed && std::fabs(q(i, 0)) < points.round_off[p]) q(i, 0) = 0;
         q(i, 0) += points.bed[p] * start(i, 0);
     }
 }

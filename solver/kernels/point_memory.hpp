@@ -95,14 +95,17 @@ struct InterfaceState {
 /// each point the larger one of both ends.
 ///
 /// `rigid`: neither body is meshed. Which of their points slip is then chance, unless all of them do.
-inline std::tuple<double, double> changed_forces(const InterfaceState& before, const InterfaceState& after, bool rigid) {
+inline std::tuple<double, double> changed_forces(const InterfaceState& before, const InterfaceState& after,
+                                                 bool rigid) {
     double shaken = 0, carried = 0;
-    const bool together_before = !rigid || before.all_slip(), together_after = !rigid || after.all_slip();
+    const bool together_before = !rigid || before.all_slip();
+    const bool together_after = !rigid || after.all_slip();
     for (std::ptrdiff_t p = 0; p < before.force.length(); p++) {
         const bool slipped = together_before && before.past[p].slipped && (!rigid || before.closed(p));
         const bool slips = together_after && after.past[p].slipped && (!rigid || after.closed(p));
         double turned = 0;
-        for (std::ptrdiff_t k = 1; k < before.force.length(1); k++) turned += before.force(p, k) * after.force(p, k);
+        for (std::ptrdiff_t k = 1; k < before.force.length(1); k++)
+            turned += before.force(p, k) * after.force(p, k);
         const bool changed = before.closed(p) != after.closed(p) || slipped != slips || (slipped && turned < 0);
         const double larger = std::max(before.size(p), after.size(p));
         carried += larger;

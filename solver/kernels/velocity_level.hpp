@@ -39,10 +39,10 @@ template <class T> View<T, 2> flat(const View<T, 4>& matrix) {
 
 /// A problem for the impulses of closed points, to be filled in.
 struct ImpulseProblem {
-    Output<4> mobility;        // with the friction that follows the normal impulses, (m, d, m, d), 1/kg
-    Output<2> free;            // velocities without impulses but those given, (m, d), m/s
-    Output<1> mu, cohesion;    // bounds of the impulses; 0 where friction is no unknown
-    Output<2> start;           // guess of the impulses that are unknown, (m, d), N s
+    Output<4> mobility;      // with the friction that follows the normal impulses, (m, d, m, d), 1/kg
+    Output<2> free;          // velocities without impulses but those given, (m, d), m/s
+    Output<1> mu, cohesion;  // bounds of the impulses; 0 where friction is no unknown
+    Output<2> start;         // guess of the impulses that are unknown, (m, d), N s
 };
 
 /// Friction of a point that is no unknown: parts of the tangential impulse of the step.
@@ -151,7 +151,8 @@ inline std::tuple<bool, double, double> correct_impulses(const ClosedPoints& poi
     const IndicesOut<1> states = room(kept.states, m);
     for (int number = lands ? 0 : 1; number < 4; number++) {
         impulse_problem(number, points, problem);
-        if (!solve(static_cast<int>(d), flat(problem.mobility), flat(problem.free), left, flat(q), states, counts)) continue;
+        const DenseProblem dense{static_cast<int>(d), flat(problem.mobility), flat(problem.free), left};
+        if (!solve(dense.d, dense.W, dense.q, dense.bounds, flat(q), states, counts)) continue;
         const auto found = accept_impulses(number, points, taken, q);
         if (std::get<0>(found)) return found;
     }
