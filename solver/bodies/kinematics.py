@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.kernels import meshed
-from solver.types import Array
 
 
 class RigidMotion(NamedTuple):

@@ -15,5 +15,7 @@ def __getattr__(name: str) -> Any:
     if name.startswith("__"):
         raise AttributeError(name)
     functions = module("meshed")
-    globals().update({key: each for key, each in vars(functions).items() if not key.startswith("_")})
+    globals().update(
+        {key: each for key, each in vars(functions).items() if not key.startswith("_")}
+    )
     return getattr(functions, name)

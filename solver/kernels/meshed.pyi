@@ -218,7 +218,9 @@ def add_compliance(
         turns: Of the body.
         C: Its compliance in the frame that turns with it, (m, d, m, d), m/N.
         share: How much of each point's force the body gets, (m,).
-# ---- FACETS
+    """
+
+# ---- Facets
 
 def project_onto_facets(
     facets: Indices,
@@ -310,7 +312,7 @@ def work_defect(
     nor a^-1 e_t ds. Arguments as of `forces_in_space`.
     """
 
-# ---- ROTATIONS
+# ---- Rotations
 
 def polar_factor(moment: Array, rotation: Array, /) -> None:
     """Fill in the rotation (d, d) nearest to a matrix: its polar factor (Kabsch 1976)."""
@@ -348,7 +350,7 @@ def turning_ahead(
         turning: The three, (3, n), rad/s2 and rad; filled in.
     """
 
-# ---- BODIES AS A WHOLE
+# ---- Bodies as a whole
 
 def momenta(
     arm: Array, u: Array, v: Array, momentum: Array, directional_mass: Array, sums: Array, /
@@ -399,7 +401,7 @@ def move_on(arm: Array, u: Array, moved: Array, vector: Array, way: Array, after
 def turn_all(vectors: Array, vector: Array, turned: Array, /) -> None:
     """Fill in vectors, one after another in (n d,), turned by an angle (1,) or a vector (3,)."""
 
-# ---- POINTS THAT CARRY A BLOCK
+# ---- Points that carry a block
 
 def touching(force: Array, place: Array, may_touch: Mask, level: float, touch: Mask, /) -> None:
     """Fill in which points touch (n,): closed ones, or else the lowest one and all as low.
@@ -429,7 +431,7 @@ def penetration(place: Array, inside: Mask, /) -> float:
     By the places of all, (n, d), and which of them are over their carrier.
     """
 
-# ---- VALUES CELL BY CELL, AND COLUMNS
+# ---- Values cell by cell, and columns
 
 def read_cells(values: Array, index: Indices, table: Array, first: int, /) -> None:
     """Fill in k columns of a table, (cells, any), from a first one on, by places among values.
@@ -455,6 +457,8 @@ def add_columns(columns: Array, place: Indices, forces: Array, moved: Array, /) 
         place: Places of the ports among them, (m,).
         forces: At the ports, (m, d), N.
         moved: (unknowns,), m; added to.
+    """
+
 # ---- What points hold by friction
 
 def points_at_bound(force: Array, mu: Array, cohesion: Array, slope: float, found: Mask) -> None:
@@ -779,6 +783,7 @@ def add_softness(W: Array, near: Indices, softness: Array, added: Array) -> None
         softness: Of the interface at all points, (points,), m/N.
         added: Further terms at the near ones, (m,), m/N.
     """
+
 # ---- Local problem with a dense compliance
 #
 # dense_problem.hpp states the problem. It is handed over by d (rows of a point: 3 in space, 2 in

@@ -7,13 +7,6 @@
 namespace rockslip::python {
 namespace {
 
-/// Calls a function with the dimension as a type: that of the plane or of space.
-template <class F> void in_dimension(std::ptrdiff_t d, F function) {
-    if (d == 2) function(std::integral_constant<int, 2>{});
-    else if (d == 3) function(std::integral_constant<int, 3>{});
-    else throw std::invalid_argument("arrays are of neither two nor three dimensions");
-}
-
 /// The dimension in which rotations have so many numbers.
 std::ptrdiff_t dimension_of(const Array<1>& vector) { return vector.length() == 1 ? 2 : vector.length(); }
 

@@ -11,6 +11,7 @@
 #include <numpy/ndarraytypes.h>
 
 #include <exception>
+#include <stdexcept>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -84,7 +85,17 @@ inline PyObject* made(double value) { return PyFloat_FromDouble(value); }
 inline PyObject* made(std::int64_t value) { return PyLong_FromLongLong(value); }
 inline PyObject* made(bool value) { return PyBool_FromLong(value); }
 template <class... T> PyObject* made(const std::tuple<T...>& values) {
-    return std::apply([](const auto&... each) { return PyTuple_Pack(sizeof...(T), made(each)...); }, values);
+    PyObject* found = PyTuple_New(sizeof...(T));
+    Py_ssize_t place = 0;  // a tuple takes its elements over
+    if (found) std::apply([&](const auto&... each) { (PyTuple_SetItem(found, place++, made(each)), ...); }, values);
+    return found;
+}
+
+/// Calls a function with the dimension as a type: that of the plane or of space.
+template <class F> void in_dimension(std::ptrdiff_t d, const F& function) {
+    if (d == 2) function(std::integral_constant<int, 2>{});
+    else if (d == 3) function(std::integral_constant<int, 3>{});
+    else throw std::invalid_argument("arrays are of neither two nor three dimensions");
 }
 
 template <auto function> struct Function;

@@ -1,20 +1,10 @@
 // Functions for Python of contact points of meshed surfaces, and of the bodies that they belong to.
-#include <stdexcept>
-#include <string>
-
 #include "nitsche.hpp"
 #include "python.hpp"
 #include "turned_frame.hpp"
 
 namespace rockslip::python {
 namespace {
-
-/// Calls what is given with the number of dimensions as a constant.
-template <class Call> void in_dimension(std::ptrdiff_t d, const Call& call) {
-    if (d == 2) call(std::integral_constant<int, 2>{});
-    else if (d == 3) call(std::integral_constant<int, 3>{});
-    else throw std::invalid_argument("got " + std::to_string(d) + " dimensions; allowed are 2 and 3");
-}
 
 void evaluate(Indices<2> numbers, Array<2> table, Array<2> reference, Array<2> displacement, Output<2> state) {
     in_dimension(displacement.length(1), [&](auto d) {

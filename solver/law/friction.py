@@ -20,9 +20,6 @@ if TYPE_CHECKING:
 #: built up over the first 1e-4 of the pressure.
 TOUCHING_SLOPE = 1e4
 
-#: A force this close to its bound, relative to it, is at the bound.
-BOUND_ROUND_OFF = 1e-9
-
 RATE, SLIPPED, BROKEN = 0, 1, 2
 """Entries of the past of a point, in this order: its slip rate in the last step (m/s; 0
 where it stuck), whether it slipped then, and whether it ever broke loose (0 or 1)."""
@@ -95,11 +92,6 @@ class Bounds(NamedTuple):
     def uniform(cls, mu: float, m: int) -> Bounds:
         """One coefficient for m points, no cohesion."""
         return cls(np.full(m, mu, dtype=np.float64), np.zeros(m))
-
-    @property
-    def frictionless(self) -> bool:
-        """True if no point holds any tangential force."""
-        return not (np.any(self.mu > 0.0) or np.any(self.cohesion > 0.0))
 
 
 def points_at_bound(force: Array, bounds: Bounds) -> Mask:

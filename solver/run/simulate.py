@@ -166,7 +166,8 @@ def _run(
     """From the first row to the summary; returns status and summary.
 
     The engine is set up, the history empty, and the run `began` at a time of the performance
-    counter, s, with these cautions; it may go on from a checkpoint. `twin` runs the twin of the scene, if the scene has one.
+    counter, s, with these cautions; it may go on from a checkpoint. `twin` runs
+    the twin of the scene, if the scene has one.
     """
     scene, history, files = context.scene, context.history, context.files
     for where, part in zip(scene.directions, context.ground.parts, strict=True):

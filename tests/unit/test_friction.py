@@ -9,7 +9,6 @@ from solver.law.friction import (
     TOUCHING_SLOPE,
     Bounds,
     FrictionLaw,
-    is_frictionless,
     points_at_bound,
 )
 from solver.law.local_problem import LocalProblem, image
@@ -61,12 +60,6 @@ def test_what_the_bound_of_a_law_depends_on():
     assert FrictionSpec(static=0.5, cohesion=1.0, cohesion_lost=True).jumps
     assert not FrictionSpec(static=0.5, dynamic=0.4, decay=2.0).jumps
     assert not FrictionSpec(static=0.5, cohesion=1.0).jumps
-
-
-def test_bounds_know_whether_there_is_any_friction():
-    assert is_frictionless(Bounds.uniform(0.0, 3))
-    assert not is_frictionless(Bounds.uniform(0.1, 3))
-    assert not is_frictionless(Bounds(np.zeros(2), np.array([0.0, 1.0])))
 
 
 def test_within_a_step_a_jump_only_falls_and_a_decay_follows_the_speed():

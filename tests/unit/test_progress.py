@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from solver.run import progress, simulate
+from solver.run import progress
 
 
 class Terminal(io.StringIO):
