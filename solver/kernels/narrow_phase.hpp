@@ -369,8 +369,8 @@ template <int d> class NarrowPhase {
     double margin_, inset_;
     std::vector<Feature<d>>& found_;
     double area_ = 0;
-    double apart_ = 0;         // along the axis that separates the bodies best so far
-    double least_ = INFINITY;  // gap of the features
+    double apart_ = -INFINITY;  // along the axis that separates the bodies best so far
+    double least_ = INFINITY;   // gap of the features
 };
 
 }  // namespace rockslip

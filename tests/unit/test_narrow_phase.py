@@ -173,3 +173,25 @@ def test_every_overlap_is_shown_and_no_other(
             assert least > -ACCURACY
         if true > ACCURACY:
             assert found > 0
+
+
+@pytest.mark.parametrize(("d", "some"), [(2, some_polygon), (3, some_polyhedron)])
+def test_all_corners_below_the_ground_are_shown(
+    d: int, some: Callable[[np.random.Generator], Solid]
+) -> None:
+    """However deep they are: what has sunk in is held."""
+    random = np.random.default_rng(49)
+    world = World(d, np.zeros(d), (0.0, 0.5, 0.5), True)
+    ground = world.half_space()
+    for depth in (1e-12, 1e-7, 1e-3, 0.1):
+        body, turn = some(random), some_turn(random, d)
+        heights = body.turned(turn).vertices[:, -1]
+        place = np.zeros(d)
+        place[-1] = -heights.min() - depth
+        shape = (
+            world.polygon(body.vertices) if d == 2 else world.polyhedron(body.vertices, body.loops)
+        )
+        found, gaps = look(world, [shape, ground], [(place, turn), (np.zeros(d), np.eye(d))])
+        assert found == pytest.approx(-depth, abs=ACCURACY)
+        near = heights - heights.min() - depth
+        np.testing.assert_allclose(np.sort(gaps), np.sort(near[near < MARGIN]), atol=ACCURACY)
