@@ -143,7 +143,7 @@ template <int d> class FacetProjection {
             nodes, [&](int j, int a) { return at.derivatives[j][a]; }, inverted(along));
         const double share = std::min(std::max(1.0 + miss / EDGE_BLEND_WIDTH, 0.0), 1.0);
         if (share > 0) {
-            there.each([&](double& number) { number *= 1 - share; });
+            there.each([&](double& each) { each *= 1 - share; });
             for (int a = 0; a < k_; a++) there.add(share * at.values[a], average_at(nodes[a]));
         }
         fill_in(closest.slope[number], there.slope);
