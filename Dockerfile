@@ -28,7 +28,7 @@ RUN echo 'Acquire::Check-Valid-Until "false";' > /etc/apt/apt.conf.d/90valid-unt
  && apt-get update \
  && DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends \
         python3-dolfinx-real python3-gmsh python3-petsc4py-real python3-mpi4py \
-        python3-numpy python3-scipy python3-numba python3-pyvista python3-matplotlib \
+        python3-numpy python3-scipy python3-pyvista python3-matplotlib \
         python3-tqdm python3-tomli-w python3-h5py \
         libopenblas0-pthread openmpi-bin libopenmpi-dev g++ libc6-dev pkg-config cmake make \
         python3-dev python3-pip python3-setuptools python3-scikit-build-core \
@@ -74,7 +74,7 @@ RUN dpkg-query -W -f='${Package}\n' \
  && find /usr/share/doc ! -type d ! -name copyright -delete \
  && rm -rf /var/cache/apt/* /var/log/* /usr/lib/debug /usr/share/man /usr/share/info /usr/share/locale
 
-# The compiled world of rigid bodies: solver/kernels/build.sh has the command.
+# The compiled kernels: solver/kernels/build.sh has the command.
 FROM environment AS kernels
 COPY solver/kernels /kernels
 RUN /kernels/build.sh /kernels/librockslip.so
@@ -83,8 +83,8 @@ RUN /kernels/build.sh /kernels/librockslip.so
 FROM scratch AS program
 ARG SUITE
 COPY --from=trimmed / /
-# As in stage `environment`: a stage from scratch takes no variables over. Machine code is for any
-# processor of this kind. The home folder is open to every user: with `--user $(id -u)` caches go there, too.
+# As in stage `environment`: a stage from scratch takes no variables over. The home folder is open to every
+# user: with `--user $(id -u)` caches go there, too.
 ENV LANG=C.UTF-8 \
     OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 \
     OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 \
@@ -92,7 +92,7 @@ ENV LANG=C.UTF-8 \
     PYTHONNOUSERSITE=1 PYVISTA_OFF_SCREEN=true MPLBACKEND=Agg \
     ROCKSLIP_SUITE=${SUITE}
 ENV PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin \
-    HOME=/home/rockslip PYTHONPATH=/opt/rockslip NUMBA_CPU_NAME=generic
+    HOME=/home/rockslip PYTHONPATH=/opt/rockslip
 # -P: a file of the user's folder is not taken for a module of the program.
 RUN useradd --create-home rockslip && chmod 1777 /home/rockslip \
  && sed -i 's/python3 -m/python3 -P -m/' /usr/local/bin/rockslip
@@ -100,12 +100,10 @@ COPY rockslip.py /opt/rockslip/
 COPY geometry /opt/rockslip/geometry
 COPY solver /opt/rockslip/solver
 COPY --from=kernels /kernels/librockslip.so /opt/rockslip/solver/kernels/
-# Times of files in whole seconds: layers of images keep no others, and kept machine code is for a source
-# of that time.
-RUN find /opt/rockslip -exec touch -d "@$(date +%s)" {} + && python3 -m compileall -q /opt/rockslip
+RUN python3 -m compileall -q /opt/rockslip
 USER rockslip
 WORKDIR /home/rockslip
-# Machine code, forms of finite elements and the list of fonts, which every container would make anew.
+# Forms of finite elements and the list of fonts, which every container would make anew.
 RUN python3 -m solver.run.warming \
  && python3 -c 'import matplotlib.font_manager' \
  && chmod -R a+rwX .cache

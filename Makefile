@@ -53,7 +53,7 @@ lint: $(RUFF) .cache/lint/kernels
 # .clang-tidy has the checks. It needs the headers of the environment, where Debian's own would take 180 MB;
 # kernels that have not changed since are not looked at again.
 .cache/lint/kernels: .cache/lint/clang-tidy .clang-tidy $(wildcard solver/kernels/*.?pp)
-	./in-env .cache/lint/clang-tidy --quiet solver/kernels/module.cpp -- -std=c++17
+	./in-env sh -c '.cache/lint/clang-tidy --quiet solver/kernels/*.cpp -- -std=c++17 $$(solver/kernels/build.sh --headers)'
 	touch $@
 
 .cache/lint/clang-tidy:

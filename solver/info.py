@@ -12,7 +12,7 @@ from solver import VERSION
 from solver.errors import not_installed
 
 #: Packages without which `rockslip run` does not work.
-NEEDED = ("dolfinx", "petsc4py", "mpi4py", "gmsh", "numpy", "scipy", "numba")
+NEEDED = ("dolfinx", "petsc4py", "mpi4py", "gmsh", "numpy", "scipy")
 
 #: Python packages whose versions matter.
 PACKAGES = (*NEEDED, "pyvista", "matplotlib")
@@ -30,7 +30,7 @@ BLAS_LIBRARIES = ("libopenblas", "libblas", "libmkl_rt", "libmkl_core", "libblis
 def versions() -> dict[str, str]:
     """Versions of what a run has used, and of nothing else; for summary.json."""
     found = {"rockslip": VERSION, "python": platform.python_version()}
-    for package in ("dolfinx", "gmsh", "numpy", "scipy", "numba"):
+    for package in ("dolfinx", "gmsh", "numpy", "scipy"):
         if package in sys.modules:
             found[package] = _version(package)
     if "petsc4py.PETSc" in sys.modules:

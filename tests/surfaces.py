@@ -4,20 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from solver.contact.kernels.nitsche import (
-    NitscheState,
-    add_traction_gradient,
-    evaluate,
-    new_state,
-)
-from solver.contact.nitsche_points import ContactPoints
+from solver.contact.nitsche_points import ContactPoints, NitscheState, new_state
+from solver.kernels import meshed
 from solver.types import Array
 
 
 def evaluated(points: ContactPoints, displacement: Array) -> NitscheState:
     """Positions and tractions for the displacements (nodes, d) of the layer."""
     state = new_state(points.rows)
-    evaluate(*points.rows, displacement, state.values)
+    meshed.evaluate(*points.rows, displacement, state.values)
     return state
 
 
@@ -30,5 +25,5 @@ def traction_gradient(
     """
     nodal = np.zeros((points.layer.size, points.dimension))
     numbers, table, _ = points.rows
-    add_traction_gradient(numbers, table, old.values, new.values, vector, nodal)
+    meshed.add_traction_gradient(numbers, table, old.values, new.values, vector, nodal)
     return nodal

@@ -20,8 +20,9 @@ from numpy.typing import NDArray
 from solver.bodies.elastic_forms import ElasticForms, Moduli, Region, StrainWeights, differs
 from solver.bodies.factorization import Factorization
 from solver.bodies.kinematics import RigidMotion
-from solver.bodies.mass_properties import MassProperties, move_on, resultant, turn_all
+from solver.bodies.mass_properties import MassProperties
 from solver.bodies.packed_form import PackedForm
+from solver.kernels import meshed
 from solver.scene.damping import DampingSpec
 from solver.scene.material import Material
 from solver.scheme.generalized_alpha import GeneralizedAlpha, TangentWeights
@@ -240,7 +241,7 @@ class ElasticBody(DampedBody):
         if self.clamped:
             return u + dt * v
         after, way = np.empty(len(u)), dt * motion.velocity
-        move_on(self.arm, u, motion.moved, angle, way, after)
+        meshed.move_on(self.arm, u, motion.moved, angle, way, after)
         return after
 
     def turned(self, force: Array, vector: Array) -> Array:
@@ -248,7 +249,7 @@ class ElasticBody(DampedBody):
         if self.clamped:
             return force
         turned = np.empty(len(force))
-        turn_all(force, vector, turned)
+        meshed.turn_all(force, vector, turned)
         return turned
 
     @property
@@ -311,7 +312,7 @@ class ElasticBody(DampedBody):
     def resultant(self, force: Array) -> Array:
         """Sum of the forces on the owned unknowns along each direction, (d,), N."""
         total = np.empty(self.dimension)
-        resultant(force, total)
+        meshed.resultant(force, total)
         return total
 
     def round_off(self, u: Array, weights: TangentWeights) -> float:

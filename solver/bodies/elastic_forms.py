@@ -22,27 +22,9 @@ from dolfinx import fem, mesh
 from numpy.typing import NDArray
 
 from solver.bodies.packed_form import PackedForm, packed_coefficients
-from solver.law.compiled import compiled
+from solver.kernels import meshed
 from solver.scene.material import Material, Plane
-from solver.types import Array, Indices
-
-
-@compiled
-def read_cells(values: Array, index: Indices, table: Array) -> None:
-    """Fill in a table, (cells, k), by the places of its numbers among the values."""
-    for cell in range(len(index)):
-        for k in range(index.shape[1]):
-            table[cell, k] = values[index[cell, k]]
-
-
-@compiled
-def place_in_cells(u: Array, values: Array, index: Indices, table: Array) -> None:
-    """Let u be the first of the values, and read the table anew, where it is not so already."""
-    for k in range(len(u)):
-        if values[k] != u[k]:
-            values[: len(u)] = u
-            read_cells(values, index, table)
-            return
+from solver.types import Array
 
 
 class CellValues:
@@ -66,21 +48,22 @@ class CellValues:
         self._parts = []
         for start, end in pairwise(starts):
             columns = ((order[:1] >= start) & (order[:1] < end)).ravel().nonzero()[0]
-            part = slice(columns[0], columns[-1] + 1) if len(columns) else slice(0, 0)
-            self._parts.append((np.ascontiguousarray(order[:, part] - start), table[:, part]))
+            first, end = (int(columns[0]), int(columns[-1]) + 1) if len(columns) else (0, 0)
+            index = np.ascontiguousarray(order[:, first:end] - start)
+            self._parts.append((index, table, first))
         for number in range(len(functions)):
             self.read(number)
 
     def read(self, number: int) -> None:
         """Take the present values of a function."""
-        read_cells(self._arrays[number], *self._parts[number])
+        meshed.read_cells(self._arrays[number], *self._parts[number])
 
     def place(self, number: int, u: Array) -> None:
         """Let u be the values of a function whose nodes are all on this rank, and take them.
 
         Nothing is done where they are so already, as after the last residual of a step.
         """
-        place_in_cells(u, self._arrays[number], *self._parts[number])
+        meshed.place_in_cells(u, self._arrays[number], *self._parts[number])
 
 
 STRAINED_STIFFNESS_CHANGE = 0.1

@@ -14,16 +14,8 @@ from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.reduced_body import ReducedBody
 from solver.bodies.rigid_body import DenseBody
 from solver.bodies.surface_layer import Layer
-from solver.contact.kernels.nitsche import (
-    NitscheState,
-    TractionPull,
-    add_contact_forces,
-    add_point_forces,
-    evaluate,
-    new_state,
-    point_values,
-)
-from solver.contact.nitsche_points import ContactPoints
+from solver.contact.nitsche_points import ContactPoints, NitscheState, TractionPull, new_state
+from solver.kernels import meshed
 from solver.types import Array, Indices
 
 
@@ -180,14 +172,14 @@ class NitschePoints:
         """Positions and tractions for the owned unknowns u."""
         assert u is not None
         state = new_state(self.rows)
-        evaluate(*self.rows, self.nodal(u), state.values)
+        meshed.evaluate(*self.rows, self.nodal(u), state.values)
         return state
 
     def velocity(self, u: Array | None, v: Array | None) -> Array:
         """Velocities of the points."""
         assert u is not None and v is not None
         velocity = np.empty_like(self.reference)
-        point_values(self._index, self._table, self.nodal(v), velocity)
+        meshed.point_values(self._index, self._table, self.nodal(v), velocity)
         return velocity
 
     def add_forces(
@@ -202,12 +194,13 @@ class NitschePoints:
         owned = target.reshape(-1, self.dimension)
         nodal = self.layer.room(owned)
         if pull is None:
-            add_point_forces(self._index, self._table, force, nodal)
+            meshed.add_point_forces(self._index, self._table, force, nodal)
         else:
             assert isinstance(old, NitscheState) and isinstance(new, NitscheState)
             scale, pulled, frame, before, after = pull
-            rows, states = (self._index, self._table), (old.values, new.values)
-            add_contact_forces(*rows, *states, force, scale, pulled, frame, before, after, nodal)
+            states, weights = (old.values, new.values), (before, after)
+            given = self._index, self._table, *states, force, scale, pulled, frame, *weights
+            meshed.add_contact_forces(*given, nodal)
         self.layer.put(owned, nodal)
 
 

@@ -8,28 +8,22 @@ position, exactly: that is what makes the work of contact forces a difference of
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import basix
 import numpy as np
 
 from geometry.foundation import level_frame
 from solver.contact.body_points import FacePoints, FixedPoints, RigidPoints, SurfaceState
-from solver.contact.kernels.facets import (
-    ClosestPoints,
-    FacetShapes,
-    FootPointArrays,
-    forces_in_space,
-    project_onto_facets,
-    work_defect,
-)
 from solver.contact.kinematics import (
+    ClosestPoints,
     ContactKinematics,
     Projection,
     in_frames,
     in_space,
     spread,
 )
+from solver.kernels import meshed
 from solver.types import Array, Indices, Mask
 
 
@@ -84,7 +78,7 @@ class Plane:
 
     def __init__(self, frame: Array, origin: Array, platform: RigidPoints | None = None):
         """Take rows normal and tangents, (d, d), a point of the plane, m, and one of a platform."""
-        self.frame, self.origin, self.points = frame, origin, platform
+        self.frame, self.origin, self.points = np.ascontiguousarray(frame), origin, platform
 
     @classmethod
     def level(cls, dimension: int, platform: RigidPoints | None = None) -> Plane:
@@ -145,6 +139,36 @@ class FacetCarrier:
         return kinematics.projection.carried(values)
 
 
+class FacetShapes(NamedTuple):
+    """Shape functions of the facets of a face; t = d - 1 coordinates on each."""
+
+    facets: Indices
+    """Nodes of each facet, (facets, k)."""
+    powers: Indices
+    """Powers of the coordinates in the monomials of a shape function, (k, t)."""
+    factors: Array
+    """Factors of these monomials in each shape function, (k, k)."""
+    derivatives: Array
+    """Derivatives of the shape functions at a facet's own nodes, (k, t, k)."""
+    undeformed: Array
+    """Inverses of the derivatives of undeformed tangential positions at each facet's nodes,
+    (facets, k, t, t), 1/m."""
+    meeting: Indices
+    """Facets that meet at nodes, and which of a facet's nodes that is, node after node, (.., 2)."""
+    first: Indices
+    """Number of the first of them at each node, and of all, (n + 1,)."""
+    along: Array
+    """Tangential positions of the nodes in the undeformed face, (n, t), m."""
+    corners: int
+    """Number of corners of a facet: 2 for intervals, 3 for triangles, 4 for quadrilaterals."""
+    margin: float
+    """Part of a facet by which points may be beyond its edge."""
+
+
+FootPointArrays = tuple[Indices, Array, Array, Array, Array, Array]
+"""Foot points on a face at one instant: nodes, weights, slope and stretch as in `ClosestPoints`,
+places (g, s), (m, d), m, and positions of the nodes of the face, (n, d), m."""
+
 CAME_ROUND = 0.05
 """Part of the face's length: a point farther behind the face came there round its edge."""
 
@@ -189,8 +213,6 @@ class Face(FacetCarrier):
         kind = getattr(basix.CellType, cell)
         corners = len(basix.geometry(kind))
         self._shapes = facet_shapes(facets, kind, degree, along, margin)
-        n, t = along.shape
-        self._room = np.empty((n, t + 1)), np.empty((len(facets), t, t))
         chains = along[facets[:, :corners]]
         self.length = float(np.max(np.ptp(chains.reshape(-1, chains.shape[-1]), axis=0)))
         self.facet = float(np.min(np.max(np.ptp(chains, axis=1), axis=1)))
@@ -211,22 +233,22 @@ class Face(FacetCarrier):
             beyond_edge=np.empty(count, dtype=np.bool_),
         )
         place = np.empty((count, d))
-        where = position, carrier.position, self.frame
-        project_onto_facets(tuple(self._shapes), self._room, *where, place, tuple(closest))
+        meshed.project_onto_facets(
+            *self._shapes, position, carrier.position, self.frame, place, *closest
+        )
         return ContactKinematics(place, place, self.frame, carrier, Projection(closest))
 
     def vectors(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> Array:
         """Point forces as vectors in space such that their work on increments is exact."""
         vectors = np.empty(force.shape)
-        ends = foot_point_arrays(old), foot_point_arrays(new)
-        forces_in_space(*ends, self.frame, self.facet, force, vectors)
+        before, after = foot_point_arrays(old), foot_point_arrays(new)
+        meshed.forces_in_space(*before, *after, self.frame, self.facet, force, vectors)
         return vectors
 
     def work_defect(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> float:
         """Work of the vectors of point forces less that of the forces on (g, s), J."""
-        return work_defect(
-            foot_point_arrays(old), foot_point_arrays(new), self.frame, self.facet, force
-        )
+        before, after = foot_point_arrays(old), foot_point_arrays(new)
+        return meshed.work_defect(*before, *after, self.frame, self.facet, force)
 
     def can_touch(self, kinematics: ContactKinematics) -> Mask:
         """Points not so far behind the face that they can only have come there round its edge."""
@@ -240,7 +262,7 @@ class Face(FacetCarrier):
 
 
 def foot_point_arrays(kinematics: ContactKinematics) -> FootPointArrays:
-    """Foot points on a face as arrays, the fields of `FootPoints`."""
+    """Foot points on a face at one instant."""
     assert isinstance(kinematics.projection, Projection) and kinematics.carrier is not None
     return *kinematics.projection.closest[:4], kinematics.place, kinematics.carrier.position
 

@@ -28,8 +28,6 @@ from solver.contact.body_points import (
     keys_of,
 )
 from solver.contact.carriers import Carrier, Face
-from solver.contact.kernels.memory import after_step, squared_change, stored_energy
-from solver.contact.kernels.nitsche import NitscheState, TractionPull, augment
 from solver.contact.kinematics import (
     ContactIncrement,
     ContactKinematics,
@@ -39,14 +37,9 @@ from solver.contact.kinematics import (
     spread,
 )
 from solver.contact.memory import CornerPoints, Dissipation, Memory
-from solver.contact.nitsche_points import theta_matrix
-from solver.law.friction import (
-    Bounds,
-    FrictionLaws,
-    bounds_by_past,
-    bounds_followed,
-    new_pasts,
-)
+from solver.contact.nitsche_points import NitscheState, TractionPull, theta_matrix
+from solver.kernels import meshed
+from solver.law.friction import Bounds, FrictionLaw, new_pasts
 from solver.scene import Bed, FrictionSpec
 from solver.types import Array, Mask
 
@@ -98,7 +91,7 @@ class Interface:
                 bottom of that.
         """
         self.points, self.carrier, self.law = points, carrier, law
-        self._laws = FrictionLaws.of([law])
+        self._friction = FrictionLaw.of(law)
         self._of_edge = of_edge
         self.count, self.dimension = count or points.count, points.dimension
         self.size = points.size
@@ -158,7 +151,7 @@ class Interface:
         if not isinstance(surface, NitscheState):
             return kinematics
         y = np.empty(kinematics.place.shape)
-        augment(kinematics.place, surface.traction, self.inverse_gamma, kinematics.frame, y)
+        meshed.augment(kinematics.place, surface.traction, self.inverse_gamma, kinematics.frame, y)
         return kinematics._replace(augmented=y)
 
     def start(self, u: Array | None, carrier_u: Array | None, rotation: Array) -> Memory:
@@ -197,16 +190,16 @@ class Interface:
         """Bounds of friction at all points, by what they remember of it, (points, PAST)."""
         if self.law.constant:
             return self._constant_bounds
-        return bounds_by_past(self._laws, past, self.area)
+        return self._friction.bounds_by_past(past, self.area)
 
     def bounds_followed(self, past: Array, mu: Array, speed: Array, slips: Mask) -> Bounds:
         """Bounds of friction at all points in a step, by their speeds (m/s) and slips, (points,).
 
-        `mu` has their coefficients so far; `solver.law.friction.followed` says how they follow.
+        `mu` has their coefficients so far; `FrictionLaw.bounds_followed` says how they follow.
         """
         if self.law.constant:
             return self._constant_bounds
-        return bounds_followed(self._laws, past, self.area, mu, speed, slips)
+        return self._friction.bounds_followed(past, self.area, mu, speed, slips)
 
     def apart(self, surface: SurfaceState, kinematics: ContactKinematics) -> float:
         """Least distance of an edge from the face that may touch it, m; 0 for other points."""
@@ -283,7 +276,7 @@ class Interface:
         if not isinstance(memory.surface, NitscheState):
             return stored
         force, traction = memory.force, memory.surface.traction
-        stored += stored_energy(
+        stored += meshed.stored_energy(
             force, traction, self.softness, self.weight, self.inverse_gamma, self.theta
         )
         if self.theta != 1:
@@ -296,7 +289,7 @@ class Interface:
         if not self.theta:
             return 0.0
         assert isinstance(old.surface, NitscheState) and isinstance(new.surface, NitscheState)
-        return squared_change(self._pull_weight, old.surface.traction, new.surface.traction)
+        return meshed.squared_change(self._pull_weight, old.surface.traction, new.surface.traction)
 
     def remember(
         self,
@@ -316,8 +309,7 @@ class Interface:
         equilibrium.
         """
         anchor, past = np.empty(old.anchor.shape), np.empty(old.past.shape)
-        friction, contact = after_step(
-            tuple(self._laws),
+        friction, contact = meshed.after_step(
             force,
             kinematics.augmented,
             old.force,

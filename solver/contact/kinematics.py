@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.contact.body_points import SurfaceState
-from solver.contact.kernels.facets import ClosestPoints, add_spread, interpolated
+from solver.kernels import meshed
 from solver.types import Array, Indices, Mask
 
 
@@ -27,8 +27,24 @@ class Interpolation:
     def carried(self, values: Array) -> Array:
         """N x: what nodal values x, (n, d), are at the places, (m, d)."""
         found = np.empty((len(self.nodes), values.shape[1]))
-        interpolated(self.nodes, self.weights, values, found)
+        meshed.interpolated(self.nodes, self.weights, values, found)
         return found
+
+
+class ClosestPoints(NamedTuple):
+    """Closest points of m points on the facets of a face; t = d - 1."""
+
+    nodes: Indices
+    """Nodes of the facet, (m, k)."""
+    weights: Array
+    """Shape functions N of these there, (m, k)."""
+    slope: Array
+    """Rise of the face along the tangents of the frame, (m, t); blended with that of the next
+    facet where facets meet, so that it is continuous."""
+    stretch: Array
+    """Current over undeformed tangential lengths, likewise, (m, t, t)."""
+    beyond_edge: Mask
+    """Points beyond the edge of the face by more than its margin, (m,)."""
 
 
 @dataclass(slots=True, init=False, eq=False)
@@ -93,7 +109,7 @@ def spread(first: Interpolation, last: Interpolation, vectors: Array, count: int
     """Forces at places as forces on the nodes (count, d): half at each of two instants."""
     target = np.zeros((count, vectors.shape[1]))
     for places in (first, last):
-        add_spread(places.nodes, places.weights, 0.5, vectors, target)
+        meshed.add_spread(places.nodes, places.weights, 0.5, vectors, target)
     return target
 
 

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.contact.body_points import SurfaceState
-from solver.contact.kernels.memory import changed_forces
 from solver.contact.kinematics import ContactKinematics, Observed
+from solver.kernels import meshed
 from solver.law.friction import slipped_before
 from solver.types import Array, Indices, Mask
 
@@ -104,7 +104,7 @@ def contact_changed(old: Sequence[Memory], new: Sequence[Memory], rigid: Sequenc
     meshed.
     """
     changes = [
-        changed_forces(before.force, after.force, before.past, after.past, alone)
+        meshed.changed_forces(before.force, after.force, before.past, after.past, alone)
         for before, after, alone in zip(old, new, rigid, strict=True)
         if not after.clear  # far from contact at both ends
     ]

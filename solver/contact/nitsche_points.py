@@ -7,7 +7,7 @@ average. A corner thus carries one point for each face that meets there.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 from petsc4py import PETSc
 
@@ -17,7 +17,6 @@ from dolfinx import fem, mesh
 
 from solver.bodies.surface_layer import Layer
 from solver.contact.facets import Evaluations, evaluate_facets, extent, gather
-from solver.contact.kernels.nitsche import SurfaceRows
 from solver.scene.material import Material
 from solver.types import Array, Indices
 
@@ -49,6 +48,72 @@ def compact(matrix: sp.spmatrix) -> Any:
         if matrix.shape[0] * matrix.shape[1] < DENSE_ENTRIES
         else sp.csr_matrix(matrix)
     )
+
+
+class SurfaceRows(NamedTuple):
+    """Rows from displacements to positions and tractions: e evaluations that make p points."""
+
+    numbers: Indices
+    """The point that each evaluation belongs to, and the nodes that it reaches, (e, 1 + k)."""
+    table: Array
+    """Numbers of each evaluation, one after another, (e, 1 + k + k d + d d d): its weight in the
+    averages of its point, the shape functions N of the nodes, their derivatives, 1/m, and D with
+    S N = D (2 E), Pa."""
+    reference: Array
+    """Positions of the points in the undeformed body, (p, d), m."""
+
+    @classmethod
+    def of(
+        cls,
+        *,
+        nodes: Indices,
+        values: Array,
+        gradients: Array,
+        point: Indices,
+        share: Array,
+        stress_rows: Array,
+        reference: Array,
+    ) -> SurfaceRows:
+        """The parts, as the fields name them, put together."""
+        e = len(nodes)
+        parts = share[:, None], values, gradients.reshape(e, -1), stress_rows.reshape(e, -1)
+        numbers: Indices = np.ascontiguousarray(np.column_stack([point, nodes]), dtype=np.int64)
+        whole: Array = np.ascontiguousarray(np.concatenate(parts, axis=1))
+        return cls(numbers, whole, np.ascontiguousarray(reference))
+
+
+class NitscheState(NamedTuple):
+    """Positions and nominal tractions of the points of a surface in one configuration."""
+
+    values: Array
+    """All of it, (2 p + e (d + 1), d): x and T of all points, and for each evaluation F and S N,
+    the second Piola-Kirchhoff stress on the normal, Pa."""
+    position: Array
+    """x, (p, d), m."""
+    traction: Array
+    """T = F S N, (p, d), Pa, averaged over the evaluations of a point."""
+
+
+def new_state(rows: SurfaceRows) -> NitscheState:
+    """Room for the state of a surface, which `meshed.evaluate` fills in."""
+    p, d = rows.reference.shape
+    values = np.empty((2 * p + len(rows.numbers) * (d + 1), d))
+    return NitscheState(values, values[:p], values[p : 2 * p])
+
+
+class TractionPull(NamedTuple):
+    """Factor of the gradient of the traction: theta/gamma_h (w T - w_c f)."""
+
+    scale: Array
+    """theta w/gamma_h, m2/Pa or m3/Pa, and theta/gamma_h, m/Pa, (p, 2)."""
+    force: Array
+    """w_c f, (p, d), N: normal, tangential."""
+    frame: Array
+    """Rows normal and tangents that they are given in, (d, d)."""
+    old: float
+    """Weight of the traction at t_n: alpha_f, or 0 to leave the theta term out."""
+    new: float
+    """At t_{n+1}: 1 - alpha_f, or 0."""
 
 
 class ContactPoints:

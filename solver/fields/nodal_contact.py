@@ -12,10 +12,10 @@ from solver.contact.body_points import NodePoints
 from solver.contact.carriers import Face
 from solver.contact.edge_crossings import Crossings
 from solver.contact.interface import Interface
-from solver.contact.kernels.facets import add_spread
 from solver.contact.kinematics import in_space
 from solver.contact.memory import Memory
 from solver.contact.nitsche_points import ContactPoints
+from solver.kernels import meshed
 from solver.types import Array
 
 LEAST_AREA = 1e-6
@@ -102,7 +102,7 @@ def edge_forces(interface: Interface, memory: Memory, *, carries: bool) -> EdgeF
     shares = np.abs(places.weights)
     shares /= np.maximum(shares.sum(axis=1, keepdims=True), LEAST_AREA)
     own = np.zeros((points.count, acting.shape[1]))
-    add_spread(places.nodes, shares, 1.0, acting, own)
+    meshed.add_spread(places.nodes, shares, 1.0, acting, own)
     nodal = np.zeros((points.layer.size, acting.shape[1]))
     nodal[points.chosen] = own
     return EdgeForces(points.layer, nodal[:, :2], nodal[:, 2:])

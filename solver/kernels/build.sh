@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Usage: build.sh FILE [OPTION ...]                  compiles the library FILE; options go to the compiler
 #        build.sh --for CACHE SHOWN COMMAND [...]    runs COMMAND with ROCKSLIP_KERNELS: a library in CACHE/kernels
+#        build.sh --headers                          says where the headers of Python are, as options for a compiler
 #
 # The one command line of a compiler for the kernels; ./in-env, the Dockerfile, CMakeLists.txt (pip, conda), the
 # Makefile and tests call it. The compiler is $CXX, or g++.
@@ -25,13 +26,19 @@ digest() { # of what is read, in 16 digits
 # -O3 is a quarter faster than -O2, with the same bits. For any processor of its kind, and without fused
 # multiply-adds, which only some of them have: numbers do not depend on the machine.
 compile() { # FILE [OPTION ...]
-    local file=$1
+    local file=$1 headers
     shift
     collect_sources
+    headers=$(headers)
     # shellcheck disable=SC2086 # $CXX may have options
-    $compiler -std=c++17 -O3 -ffp-contract=off -fPIC -shared -fno-semantic-interposition \
+    $compiler -std=c++17 -O3 -ffp-contract=off -fPIC -shared -fno-semantic-interposition $headers \
         -Wl,--version-script="$here/symbols.map" -DROCKSLIP_SOURCES="\"$(cat "${sources[@]}" | digest)\"" \
-        "$@" "$here/module.cpp" -o "$file"
+        "$@" "$here"/*.cpp -o "$file"
+}
+
+headers() { # options for those of $PYTHON, or python3, and of its numpy
+    "${PYTHON:-python3}" -c 'import numpy, sysconfig
+print("-isystem", sysconfig.get_path("include"), "-isystem", numpy.get_include())'
 }
 
 say() { echo "in-env: $*" >&2; }
@@ -61,7 +68,7 @@ provide() { # CACHE SHOWN: sets ROCKSLIP_KERNELS
         flock 9 || true # where the system has no locks, both build
     fi
     if [ ! -e "$ROCKSLIP_KERNELS" ]; then
-        say "building the kernels: some 10 s, once"
+        say "building the kernels: some 20 s, once"
         new=$folder/new.$HOSTNAME.$$
         trap 'rm -f "$new"' EXIT
         trap 'exit 130' HUP INT TERM
@@ -82,5 +89,6 @@ case ${1:-} in
     case ${ROCKSLIP_KERNELS:-} in '' | */kernels/????????????????.so) provide "$cache" "$shown" ;; esac
     exec "$@"
     ;;
+--headers) headers ;;
 *) compile "$@" ;;
 esac

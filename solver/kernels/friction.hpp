@@ -26,6 +26,17 @@ struct ContactLaw {
         if (decay > 0) return dynamic_friction + (static_friction - dynamic_friction) * std::exp(-decay * speed);
         return slipped ? dynamic_friction : static_friction;
     }
+
+    /// Coefficient by the motion that `mu` led to: the speed of slip in this step, m/s, 0 where the point
+    /// sticks, and whether it broke loose in it. Without decay it only falls, from mu_s to mu_d: no choice
+    /// between the two can then repeat itself.
+    double followed(double mu, double speed, bool slips) const {
+        if (decay > 0) return coefficient(speed, slips);
+        return slips ? dynamic_friction : mu;
+    }
+
+    /// Whether a point has its cohesion, by whether it ever broke loose.
+    bool coheres(bool broken) const { return !(loses_cohesion && broken); }
 };
 
 /// What a contact remembers of its friction.
@@ -61,20 +72,18 @@ constexpr double SLIP_ROUND_OFF = 1e-5;
 
 /// A step starts with the friction that the past of a contact leaves it; `area_time` in m2 s.
 inline FrictionBound bound_at_start(const ContactLaw& law, const FrictionHistory& past, double area_time) {
-    const bool lost = law.loses_cohesion && past.broken;
-    return {law.coefficient(past.rate, past.slipped), lost ? 0.0 : law.cohesion * area_time, INFINITY};
+    const double cohesion = law.coheres(past.broken) ? law.cohesion * area_time : 0.0;
+    return {law.coefficient(past.rate, past.slipped), cohesion, INFINITY};
 }
 
 /// Brings the bound up to the slip that it led to; returns whether that changed it.
 ///
-/// `speed` is the slip rate of the step, m/s, 0 where the contact sticks. Without decay the
-/// coefficient only falls, from mu_s to mu_d: no choice between the two can then repeat itself.
-/// With decay it goes a `share` of the way.
+/// By speed and slip as in `ContactLaw::followed`; with decay the coefficient goes a `share` of the way.
 inline bool follow_slip(const ContactLaw& law, FrictionBound& bound, double speed, bool slips, double share) {
     const FrictionBound before = bound;
-    if (law.decay > 0) bound.mu += share * (law.coefficient(speed, slips) - bound.mu);
-    else if (slips) bound.mu = law.dynamic_friction;
-    if (law.loses_cohesion && slips) bound.cohesion = 0;
+    const double next = law.followed(bound.mu, speed, slips);
+    bound.mu = law.decay > 0 ? bound.mu + share * (next - bound.mu) : next;
+    if (!law.coheres(slips)) bound.cohesion = 0;
     return std::fabs(bound.mu - before.mu) > 1e-13 || bound.cohesion != before.cohesion;
 }
 

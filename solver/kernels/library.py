@@ -7,7 +7,10 @@ import os
 from collections.abc import Iterable
 from ctypes import CDLL, c_char_p
 from functools import cache
+from importlib.machinery import ExtensionFileLoader
+from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
+from types import ModuleType
 
 from solver import kernels
 from solver.errors import EnvironmentTrouble
@@ -40,6 +43,25 @@ def library() -> CDLL:
     if wanted and sources_of(loaded) != wanted:
         raise EnvironmentTrouble(f"the compiled kernels in {file} are of other sources; {REMEDY}")
     return loaded
+
+
+@cache
+def module(name: str) -> ModuleType:
+    """A module of Python that the library holds.
+
+    Raises:
+        EnvironmentTrouble: as of `library`, and where the library is for another Python.
+    """
+    library()
+    file = str(_file())
+    spec = spec_from_file_location(name, file, loader=ExtensionFileLoader(name, file))
+    assert spec is not None and spec.loader is not None
+    try:
+        found = module_from_spec(spec)
+        spec.loader.exec_module(found)
+    except ImportError as error:
+        raise EnvironmentTrouble(f"the compiled kernels cannot be loaded: {error}") from None
+    return found
 
 
 def _file() -> Path:

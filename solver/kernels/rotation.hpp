@@ -58,6 +58,42 @@ inline Vec<3> rotation_vector(const Rotation<3>& rotation, const Vec<3>& before)
 }
 inline Vec<1> rotation_vector(const Rotation<2>& rotation, const Vec<1>&) { return rotation.value; }
 
+/// The rotation vector of the matrix of a rotation in space, rad: along its axis, as long as its angle.
+inline Vec<3> rotation_vector(const Mat<3, 3>& R) {
+    // The largest component of the unit quaternion first: the others are divided by it.
+    const double trace = R[0][0] + R[1][1] + R[2][2];
+    double largest = trace;
+    int first = -1;
+    for (int i = 0; i < 3; i++)
+        if (R[i][i] > largest) {
+            largest = R[i][i];
+            first = i;
+        }
+    double w = 1 + trace;
+    Vec<3> v{R[2][1] - R[1][2], R[0][2] - R[2][0], R[1][0] - R[0][1]};
+    if (first >= 0) {
+        const int j = (first + 1) % 3, k = (first + 2) % 3;
+        w = v[first];
+        v[first] = 1 - trace + 2 * R[first][first];
+        v[j] = R[j][first] + R[first][j];
+        v[k] = R[k][first] + R[first][k];
+    }
+    if (w < 0) {
+        w = -w;
+        v = -1.0 * v;
+    }
+    const double size = norm(v);
+    return (size > 0 ? 2 * std::atan2(size, w) / size : 0.0) * v;
+}
+
+/// The rotation by a rotation vector in space, rad; meshed bodies in the plane turn clockwise by an angle.
+inline Mat<3, 3> rotation_by(const Vec<3>& vector) {
+    const double angle = norm(vector), half = 0.5 * angle;
+    const double share = angle > 0 ? std::sin(half) / angle : 0.5;
+    return Rotation<3>{{std::cos(half), share * vector[0], share * vector[1], share * vector[2]}}.matrix();
+}
+inline Mat<2, 2> rotation_by(const Vec<1>& angle) { return Rotation<2>{{-angle[0]}}.matrix(); }
+
 /// Components about the axes of space of a rotational vector given about a body's own axes.
 inline Vec<1> to_space(const Mat<2, 2>&, const Vec<1>& own) { return own; }
 inline Vec<3> to_space(const Mat<3, 3>& R, const Vec<3>& own) { return mul(R, own); }

@@ -1,4 +1,4 @@
-"""The local problem of hundreds and thousands of points, by the steps of `solver.law.newton`.
+"""The local problem of hundreds and thousands of points, by the steps of `dense_problem.hpp`.
 
 A dense solve in each Newton step would cost the third power of the number of points. Here the
 equations of a step are solved by GMRES, preconditioned by the factors of an earlier step, in which
@@ -8,23 +8,12 @@ kept from step to step of a run, and made anew where GMRES takes too long with t
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from solver.law.friction import TOUCHING_SLOPE, Bounds, is_frictionless
-from solver.law.newton import (
-    EXACT,
-    Local,
-    best_step,
-    equations,
-    error_of,
-    lengths,
-    project,
-    trial_of,
-    unknowns,
-    write_forces,
-)
+from solver.kernels import meshed
+from solver.law.friction import TOUCHING_SLOPE, Bounds
 from solver.types import Array, Indices
 
 MANY_ROWS = 300
@@ -51,6 +40,24 @@ PATIENCE = 8
 PROXIMAL_ROUNDS = 30
 """Problems with a proximal term that are tried."""
 
+EXACT = 0.02
+"""Part of the error tolerated (`meshed.error_of`) that no further step makes smaller."""
+
+
+class DenseProblem(NamedTuple):
+    """A local problem, as compiled functions take it, field by field."""
+
+    d: int
+    """Rows of a point: 3 in space, 2 in the plane, 1 without friction."""
+    W: Array
+    """Compliance, (d m, d m), m/N; rows of a point side by side, normal first."""
+    q: Array
+    """Free values, (d m,), m."""
+    mu: Array
+    """Of `Bounds`, as the next two."""
+    cohesion: Array
+    slope: float
+
 
 class ManyPoints:
     """Solver of local problems of many points that resemble one another from step to step.
@@ -76,47 +83,50 @@ class ManyPoints:
         f: Array,
         points: Indices | None = None,
     ) -> bool:
-        """As `solver.law.local_problem.solve`: f is the guess and becomes the answer.
+        """As `meshed.solve`: f is the guess and becomes the answer.
 
         By their numbers, (m,), points are known again in problems of other points.
         """
         self._points = np.arange(len(bounds.mu)) if points is None else points
-        if d == 1 or not is_frictionless(bounds):
-            return self._settle(Local(d, W, q, bounds), f)
+        if d == 1 or np.any(bounds.mu > 0.0) or np.any(bounds.cohesion > 0.0):
+            return self._settle(DenseProblem(d, W, q, *bounds), f)
         normal = f[::d].copy()
-        smooth = Local(1, np.ascontiguousarray(W[::d, ::d]), q[::d].copy(), bounds)
+        smooth = DenseProblem(1, np.ascontiguousarray(W[::d, ::d]), q[::d].copy(), *bounds)
         settled = self._settle(smooth, normal)
         f[:] = 0.0
         f[::d] = normal
         return settled
 
-    def _settle(self, local: Local, f: Array) -> bool:
+    def _settle(self, local: DenseProblem, f: Array) -> bool:
         """Newton's method, with line search, with cohesion built up, with proximal terms."""
         if self._settles(local, f):
             return True
-        if np.any(local.bounds.cohesion > 0.0):
-            touching = Bounds(local.bounds.mu, local.bounds.cohesion, TOUCHING_SLOPE)
-            local = Local(local.d, local.W, local.q, touching)
+        if np.any(local.cohesion > 0.0):
+            local = local._replace(slope=TOUCHING_SLOPE)
             if self._settles(local, f):
                 return True
         return self._by_proximal_terms(local, f)
 
-    def _settles(self, local: Local, f: Array) -> bool:
+    def _settles(self, local: DenseProblem, f: Array) -> bool:
         """Newton's method with full steps, then with line search and either length r."""
+        r = np.empty((len(local.mu), 2))
         for shared, halvings in ((True, 0), (True, HALVINGS), (False, HALVINGS)):
-            if self._newton(local, lengths(local.d, local.W, shared), f, halvings):
+            meshed.lengths(local.d, local.W, shared, r)
+            if self._newton(local, r, f, halvings):
                 return True
         return False
 
-    def _newton(self, local: Local, r: Array, f: Array, halvings: int) -> bool:
+    def _newton(self, local: DenseProblem, r: Array, f: Array, halvings: int) -> bool:
         """Newton's method from f; True if it settled. If not, f stays as it is."""
-        force, nearest, states = f.copy(), np.empty_like(f), np.empty(len(r), np.int64)
+        force, trial, nearest = f.copy(), np.empty_like(f), np.empty_like(f)
+        states = np.empty(len(r), np.int64)
         error, least, since, careful = np.inf, np.inf, 0, False
         before = np.full_like(states, -9)
         for k in range(ROUNDS + 1):
-            last, trial = error, trial_of(local, r, force)
-            project(local, trial, nearest, states)
-            error = error_of(local.d, force, trial, nearest)
+            last = error
+            meshed.trial_of(*local, r, force, trial)
+            meshed.project(*local, trial, nearest, states)
+            error = meshed.error_of(local.d, force, trial, nearest)
             # Forces that only balance each other show last: it goes on while that makes it better.
             if error <= EXACT or (k > 0 and error <= 1.0 and error > 0.5 * last):
                 f[:] = force if error <= EXACT and k == 0 else nearest
@@ -130,18 +140,26 @@ class ManyPoints:
                 tolerance = min(tolerance, max(least_tolerance, EXACT / error))
             before[:] = states
             target = self._linearised(local, r, trial, states, force, tolerance)
-            part = 1.0 if halvings == 0 else best_step(local, r, force, target, halvings)
+            part = 1.0 if halvings == 0 else meshed.best_step(*local, r, force, target, halvings)
             force = target if part == 1.0 else force + part * (target - force)
         return False
 
     def _linearised(
-        self, local: Local, r: Array, trial: Array, states: Indices, force: Array, tolerance: float
+        self,
+        local: DenseProblem,
+        r: Array,
+        trial: Array,
+        states: Indices,
+        force: Array,
+        tolerance: float,
     ) -> Array:
         """The root of f - P(f - r y), linearised at `trial`, from forces before it."""
         from scipy.linalg import lu_factor, lu_solve
 
-        rows = unknowns(local, states)
-        A, right = equations(local, r, trial, states, rows)
+        rows: Indices = np.empty(len(trial), np.int64)
+        rows = rows[: meshed.unknowns(*local, states, rows)]
+        A, right = np.empty((len(rows), len(rows))), np.empty(len(rows))
+        meshed.equations(*local, r, trial, states, rows, A, right)
         x, found = force[rows], np.empty_like(force)
         numbered = self._points[rows // local.d] * local.d + rows % local.d
         most = min(max(GMRES_STEPS[0], len(rows) // 40), GMRES_STEPS[1])
@@ -155,7 +173,7 @@ class ManyPoints:
             x = lu_solve(self._factors, right, check_finite=False)
         else:
             x = x + change
-        write_forces(local, trial, states, rows, x, found)
+        meshed.write_forces(*local, trial, states, rows, x, found)
         return found
 
     def _preconditioner(self, A: Array, numbered: Indices) -> Any:
@@ -175,18 +193,19 @@ class ManyPoints:
 
         return apply
 
-    def _by_proximal_terms(self, local: Local, f: Array) -> bool:
-        """The proximal point algorithm, as in `solver.law.local_problem`."""
-        softness, now = 1e-2, f.copy()
+    def _by_proximal_terms(self, local: DenseProblem, f: Array) -> bool:
+        """The proximal point algorithm, as in `dense_problem.hpp`."""
+        softness, now, r = 1e-2, f.copy(), np.empty((len(local.mu), 2))
+        meshed.lengths(local.d, local.W, True, r)
         for _ in range(PROXIMAL_ROUNDS):
             soft, added = local.W.copy(), softness * np.diag(local.W)
             soft[np.diag_indices(len(f))] += added
-            eased = Local(local.d, soft, local.q - added * now, local.bounds)
+            eased = local._replace(W=soft, q=local.q - added * now)
             if not self._settles(eased, now):
                 softness *= 3.0
                 continue
             trial = now.copy()
-            if self._newton(local, lengths(local.d, local.W, True), trial, 0):
+            if self._newton(local, r, trial, 0):
                 f[:] = trial
                 return True
             softness = max(1e-8, 0.1 * softness)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from solver.bodies.kinematics import RigidMotion, vector_of
+from solver.bodies.kinematics import RigidMotion
 from solver.bodies.rigid_body import RigidBox
 from solver.build.assembly import BlockBody
 from solver.contact.body_points import Key, NitschePoints
@@ -22,7 +22,7 @@ from solver.history.block_columns import (
     write_space_motion,
 )
 from solver.history.columns import positions
-from solver.law.compiled import compiled
+from solver.kernels import meshed
 from solver.stepping.state import State
 from solver.stepping.stepper import Stepper
 from solver.stepping.system import Link
@@ -32,47 +32,14 @@ LEVEL = 1e-9
 """Points are equally low within this part of a block's size: which of them counts is not chance."""
 
 
-@compiled
 def touching(force: Array, place: Array, may_touch: Mask, level: float) -> Indices:
     """The closed points, or else the lowest one and all that are within `level` of it (m).
 
     Where no point may touch, these are all. Points are given by their forces and places, (n, d).
     """
-    closed: Indices = (force[:, 0] > 0.0).nonzero()[0]
-    if len(closed) > 0:
-        return closed
-    height = np.where(may_touch, place[:, 0], np.inf)
-    lowest: Indices = (height <= height.min() + level).nonzero()[0]
-    return lowest
-
-
-@compiled
-def mean_slip(
-    force: Array, place: Array, may_touch: Mask, level: float, reference: Array, slip: Array
-) -> None:
-    """Fill in the mean slip of the points that touch, (d - 1,), m, from their reference positions.
-
-    These are (n, d - 1), nan where one is not known yet: then the slip is nan.
-    """
-    chosen = touching(force, place, may_touch, level)
-    slip[:] = 0.0
-    for p in chosen:
-        for j in range(len(slip)):
-            slip[j] += place[p, 1 + j] - reference[p, j]
-    slip /= len(chosen)
-
-
-@compiled
-def penetration(place: Array, inside: Mask) -> float:
-    """Largest penetration of the points of an interface, m; 0 if none penetrates.
-
-    By the places of all, (n, d), and which of them are over their carrier.
-    """
-    deepest = 0.0
-    for p in range(len(place)):
-        if inside[p] and place[p, 0] < deepest:
-            deepest = place[p, 0]
-    return 0.0 - deepest
+    touch = np.empty(len(force), dtype=np.bool_)
+    meshed.touching(force, place, may_touch, level, touch)
+    return touch.nonzero()[0]
 
 
 class BlockObserver:
@@ -190,7 +157,7 @@ class BlockObserver:
         Then nothing is written.
         """
         slip = np.empty(self._reference.shape[1])
-        mean_slip(*self._points(memory), self._reference, slip)
+        meshed.mean_slip(*self._points(memory), self._reference, slip)
         if math.isnan(slip[0]):
             return False
         self._slip, at = slip, self._at
@@ -219,7 +186,7 @@ class BlockObserver:
             write_plane_motion(row, angles[0], motion.spin[0], centre)
             return
         angles[0] = lean_in_space(turn, angles[0])
-        vector_of(turn, angles[1:])
+        meshed.vector_of(turn, angles[1:])
         write_space_motion(row, angles, motion.spin, centre)
 
     def _lost_its_carrier(self, state: State) -> bool:
@@ -236,7 +203,7 @@ class BlockObserver:
         """Largest penetration of a point in an interface, m; 0 if none penetrates."""
         memory = state.contacts[number]
         inside = self._links[number].interface.inside(memory)
-        return penetration(memory.kinematics.place, inside)
+        return meshed.penetration(memory.kinematics.place, inside)
 
     def _force(self, state: State, lost: bool) -> Array:
         """Normal and tangential force on the block, in the frame of what carries it, N.

@@ -27,7 +27,7 @@ from solver.scene import Scene
 from solver.scene.output import CheckpointSpec
 from solver.scene.reader import differing
 
-FORMAT = 16
+FORMAT = 17
 """Version of the layout of the file."""
 
 NAME = "checkpoint.npz"
@@ -38,10 +38,14 @@ TYPES = {
     "numpy._core.numeric": ("_frombuffer",),
     "solver.bodies.kinematics": ("RigidMotion",),
     "solver.contact.body_points": ("PointState",),
-    "solver.contact.kernels.facets": ("ClosestPoints",),
-    "solver.contact.kernels.nitsche": ("NitscheState",),
+    "solver.contact.nitsche_points": ("NitscheState",),
     "solver.contact.memory": ("Memory",),
-    "solver.contact.kinematics": ("ContactKinematics", "EdgeInterpolation", "Projection"),
+    "solver.contact.kinematics": (
+        "ClosestPoints",
+        "ContactKinematics",
+        "EdgeInterpolation",
+        "Projection",
+    ),
     "solver.scheme.generalized_alpha": ("TangentWeights",),
     "solver.scheme.step_control": ("Ladder",),
     "solver.stepping.delassus": ("Delassus",),

@@ -27,12 +27,6 @@ class ProgressReport(Protocol):
     def begin(self, time: float) -> None:
         """Set-up is over; steps begin at `time`."""
 
-    def pause(self, why: str) -> None:
-        """Something else takes its time."""
-
-    def go_on(self) -> None:
-        """End a pause: steps go on."""
-
     def update(self, time: float, step: float, iterations: int) -> None:
         """A step of length `step` ended at `time`."""
 

@@ -59,26 +59,11 @@ class Progress(ProgressDisplay):
         super().__init__(quiet=quiet, rank=rank, total=100.0, bar_format=layout)
         self._end = end
         self._last = (0.0, 0.0, 0)
-        self._from, self._steps_began, self._paused_at = 0.0, self._began, 0.0
+        self._from, self._steps_began = 0.0, self._began
 
     def begin(self, time: float) -> None:
         """Count what is left from here: set-up is over, and steps begin at a time (s)."""
         self._from, self._steps_began = time, clock.monotonic()
-        if self._bar is not None:
-            self._bar.unpause()
-
-    def pause(self, why: str) -> None:
-        """Say why, if not "", no steps are taken for a while: it does not count in what is left."""
-        self._paused_at = clock.monotonic()
-        if self._silent or not why:
-            return
-        if self._bar is not None:
-            self._bar.clear()
-        self._write(why)
-
-    def go_on(self) -> None:
-        """Steps are taken again."""
-        self._steps_began += clock.monotonic() - self._paused_at
         if self._bar is not None:
             self._bar.unpause()
 

@@ -19,7 +19,6 @@ from solver.excitation.sampled import SampledMotion
 from solver.fields.vtkhdf import refuse_without_h5py
 from solver.history.history import History, scene_columns
 from solver.info import versions
-from solver.law.compiled import watching
 from solver.parallel import Comm, Single, on_first_rank, world
 from solver.results.cautions import cautions_of_input
 from solver.results.endings import Watch
@@ -48,35 +47,6 @@ class Result:
     """One row a step; `history["block.angle_rad"]` is a numpy array."""
     summary: dict[str, Any]
     """The content of summary.json."""
-
-
-class _Compilations:
-    """Says once in a run that functions are being compiled.
-
-    Attributes:
-        seconds: How long that has taken so far, or to read back what was kept.
-    """
-
-    def __init__(self, log: Log, progress: ProgressReport | None):
-        """Begin with none."""
-        self._log, self._progress = log, progress
-        self._said, self.seconds = False, 0.0
-
-    def pause(self, why: str) -> None:
-        """Begin to read back, or for a reason to compile, which is said once."""
-        if why and self._said:
-            return
-        if why:
-            self._said = True
-            self._log(why)
-        if self._progress is not None:
-            self._progress.pause(why)
-
-    def go_on(self, seconds: float) -> None:
-        """Be done with it after some seconds."""
-        self.seconds += seconds
-        if self._progress is not None:
-            self._progress.go_on()
 
 
 def engine_for(
@@ -151,8 +121,6 @@ def simulate(
     ):
         if progress is not None:
             stack.callback(progress.close)
-        compiling = _Compilations(files.log, progress)
-        stack.enter_context(watching(compiling))
         engine = engine_for(scene, ground, files, petsc_options, comm)
         history = files.open_history(scene_columns(scene))
         watch, recorder = Watch(scene), Recorder(scene, history.columns)
@@ -160,7 +128,7 @@ def simulate(
         cautions = [*engine.remarks, *cautions_of_input(scene, ground)]
         until = None if seconds is None else began + seconds
         twin = partial(_twin, comm=comm, until=until, petsc_options=petsc_options)
-        status, summary = _run(engine, context, began, cautions, resumed, compiling, twin)
+        status, summary = _run(engine, context, began, cautions, resumed, twin)
     return Result(status, history, summary)
 
 
@@ -193,14 +161,13 @@ def _run(
     began: float,
     cautions: Sequence[str],
     resumed: Checkpoint | None,
-    compiling: _Compilations,
     twin: Callable[[Scene], Result],
 ) -> tuple[str, dict[str, Any]]:
     """From the first row to the summary; returns status and summary.
 
     The engine is set up, the history empty, and the run `began` at a time of the performance
-    counter, s, with these cautions; it may go on from a checkpoint. What is compiled or read back
-    in the loop counts as set-up. `twin` runs the twin of the scene, if the scene has one.
+    counter, s, with these cautions; it may go on from a checkpoint. `twin` runs
+    the twin of the scene, if the scene has one.
     """
     scene, history, files = context.scene, context.history, context.files
     for where, part in zip(scene.directions, context.ground.parts, strict=True):
@@ -220,21 +187,20 @@ def _run(
         context.recorder.resume(recorded)
         files.log(f"resumed at t = {resumed.time:.6g} s")
     files.start(engine.open_fields, engine.description)
-    ready, written, compiled = time.perf_counter(), files.output_seconds, compiling.seconds
+    ready, written = time.perf_counter(), files.output_seconds
     if context.progress is not None:
         context.progress.begin(0.0 if resumed is None else resumed.time)
-    gc.freeze()  # what dolfinx, UFL and numba have loaded is no garbage: 5 % of a small step
+    gc.freeze()  # what dolfinx and UFL have loaded is no garbage: 5 % of a small step
     try:
         status, reason = engine.loop(context)
         history.events = context.recorder.finish()
         files.flush()
     finally:
         gc.unfreeze()
-    compiled = compiling.seconds - compiled
-    loop = time.perf_counter() - ready - (files.output_seconds - written) - compiled
+    loop = time.perf_counter() - ready - (files.output_seconds - written)
     cost = {
         "wall_s": loop,
-        "setup_s": ready - began - written + compiled,
+        "setup_s": ready - began - written,
         "output_s": files.output_seconds,
         **engine.cost(),
     }

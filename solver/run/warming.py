@@ -1,7 +1,7 @@
-"""Machine code and forms of common scenes with meshes, as the image brings them.
+"""Compiled forms of common scenes with meshes, as the image brings them.
 
 `python3 -m solver.run.warming` runs a short scene in the plane and in space, which leaves them in
-the caches of the user.
+the cache of the user.
 """
 
 from __future__ import annotations

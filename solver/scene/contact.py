@@ -17,7 +17,7 @@ class FrictionSpec(Checked):
     """The paper's law of friction, tau = c + mu p: a table of the scene and the law of the engines.
 
     mu = mu_d [1 + (mu_s/mu_d - 1) exp(-DC v_rel)]; with DC = 0 a jump from mu_s to mu_d.
-    `solver.law.friction` has the bound at a point, and the memory of a point.
+    `solver.law.friction` has the bounds of points by it.
     """
 
     static: NotNegative

@@ -23,7 +23,7 @@ from solver.bodies.memory import ASKED_PART, compliance_bytes, require
 from solver.bodies.reduced_body import ReducedBody
 from solver.bodies.surface_layer import Layer
 from solver.contact.nitsche_points import same
-from solver.law.compiled import compiled
+from solver.kernels import meshed
 from solver.types import Array, Indices
 
 SMALL = 2.0**24
@@ -98,7 +98,8 @@ class Compliance:
         self._compute_missing(chosen)
         if not same(chosen, self._chosen):
             rows = self._expand(self._place[chosen])
-            self._chosen, self._among = chosen, self._matrix[np.ix_(rows, rows)]
+            self._chosen = chosen
+            self._among = np.ascontiguousarray(self._matrix[np.ix_(rows, rows)])
         return self._among
 
     def displacement(self, ports: Indices, forces: Array) -> Array:
@@ -106,7 +107,7 @@ class Compliance:
         self._compute_missing(ports)
         if self.columns is not None:
             moved: Array = np.zeros(self.body.size)
-            add_columns(self.columns, self._place[ports], forces, moved)
+            meshed.add_columns(self.columns, self._place[ports], forces, moved)
             return moved
         right = np.zeros((self.body.owned, self.body.dimension))
         for port, own, mine in self._groups(ports):
@@ -220,22 +221,3 @@ class Compliance:
             near = part.layer.gather(nodes).reshape(part.layer.size * d, count)
             result[part.place] = (part.force if forces else part.read) @ near
         return result
-
-
-@compiled
-def add_columns(columns: Array, place: Indices, forces: Array, moved: Array) -> None:
-    """Add to displacements what forces do, by columns; those without force are not read.
-
-    Args:
-        columns: As kept, (ports d, unknowns), m/N.
-        place: Places of the ports among them, (m,).
-        forces: At the ports, (m, d), N.
-        moved: (unknowns,), m.
-    """
-    d = forces.shape[1]
-    for i in range(len(place)):
-        for k in range(d):
-            force, column = forces[i, k], columns[place[i] * d + k]
-            if force != 0.0:
-                for n in range(len(moved)):
-                    moved[n] += force * column[n]

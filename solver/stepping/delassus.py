@@ -19,7 +19,7 @@ import numpy as np
 
 from solver.bodies.rigid_body import DenseBody
 from solver.contact.bed import Yielding
-from solver.contact.kernels.candidates import add_softness
+from solver.kernels import meshed
 from solver.stepping.point_table import PointTable
 from solver.stepping.response import AnyResponse, CandidateSet
 from solver.stepping.system import Link, System
@@ -175,7 +175,7 @@ def assembled(
         for response, configuration in zip(responses, configurations, strict=True)
     ]
     added = np.zeros(m) if softening is None else softening.at(near, W)
-    add_softness(W, near.number, softness, added)
+    meshed.add_softness(W, near.number, softness, added)
     if beds is not None:
         normal = W.reshape(-1)[:: d * (m * d + 1)]
         normal += beds.softness.take(near.number)

@@ -12,9 +12,10 @@ from solver.bodies.factorization import Inverse, MassInverse
 from solver.bodies.reduced_body import ReducedBody
 from solver.bodies.rigid_body import DenseBody
 from solver.contact.kinematics import in_frames
+from solver.kernels import meshed
 from solver.law.friction import Bounds
 from solver.law.local_problem import LocalProblem, image
-from solver.law.velocity import impulse_correction, slip_reversal
+from solver.law.velocity import impulse_correction
 from solver.stepping.balance import Contact
 from solver.stepping.point_table import PointTable, joined
 from solver.stepping.response import CandidateSet, repeat_compliances, saved_compliances
@@ -70,10 +71,10 @@ def largest_reversal(closed: Indices, first: Indices, force: Array, velocity: Ar
         velocity: Of the closed points at the end of the step, (m, d), m/s.
     """
     if len(first) == 2:
-        return slip_reversal(force, velocity)
+        return meshed.slip_reversal(force, velocity)
     ends = closed.searchsorted(first)
     parts = [slice(a, b) for a, b in pairwise(ends) if b > a]
-    return max(slip_reversal(force[part], velocity[part]) for part in parts)
+    return max(meshed.slip_reversal(force[part], velocity[part]) for part in parts)
 
 
 class VelocityImpulses:

@@ -24,21 +24,8 @@ from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.reduced_body import ReducedBody
 from solver.bodies.rigid_body import DenseBody
 from solver.contact.body_points import SurfacePoints
-from solver.contact.kernels.corotational import (
-    add_compliance,
-    add_loads,
-    add_places,
-    add_readings,
-    into_frame,
-    largest_turn,
-    mark_ports,
-    moved_with_strain,
-    out_of_frame,
-    point_vectors,
-    read_points,
-    turn,
-)
 from solver.contact.kinematics import ContactKinematics, Interpolation, in_frames
+from solver.kernels import meshed
 from solver.parallel import global_sum
 from solver.stepping.compliance import Compliance, InterfaceDofs
 from solver.types import Array, Indices
@@ -385,7 +372,7 @@ class ElasticResponse:
         if start is None:
             return np.array([rotation, rotation, np.zeros_like(rotation)])
         turns = np.empty(self._unturned.shape)
-        turn(start, rotation, self._inertia, turns)
+        meshed.turn(start, rotation, self._inertia, turns)
         return turns
 
     def of_mass(self, u: Array) -> Array:
@@ -394,7 +381,7 @@ class ElasticResponse:
 
     def close(self, now: Array, before: Array) -> bool:
         """True if neither rotation has changed to speak of."""
-        return largest_turn(now, before) <= TURNED
+        return meshed.largest_turn(now, before) <= TURNED
 
     def at_rest(self) -> ElasticMotion:
         """A motion of zero."""
@@ -403,7 +390,7 @@ class ElasticResponse:
     def free(self, at: Array, residual: Array) -> ElasticMotion:
         """The free motion -K^-1 r."""
         turned, total = np.empty(residual.shape), np.empty(self.body.dimension)
-        into_frame(residual, at, -1.0, turned, total)
+        meshed.into_frame(residual, at, -1.0, turned, total)
         free = self.compliance.factor.solve(turned)
         return ElasticMotion(free, global_sum(self.body.comm, total))
 
@@ -424,11 +411,11 @@ class ElasticResponse:
             each = frame[None] if frame.ndim == 2 else frame
             spots = side.spots(kinematics)
             if spots is None:
-                add_readings(moved, side.first, side.sign, *rows, nodes, free.push, each, at)
+                meshed.add_readings(moved, side.first, side.sign, *rows, nodes, free.push, each, at)
             else:
                 points = np.empty((side.points.count, self.body.dimension))
-                read_points(*rows, nodes, free.push, at[2], points)
-                add_places(moved, side.first, side.sign, spots.carried(points), each, at[0])
+                meshed.read_points(*rows, nodes, free.push, at[2], points)
+                meshed.add_places(moved, side.first, side.sign, spots.carried(points), each, at[0])
 
     def couple(self, at: Array, near: CandidateSet, weight: float, W: Array) -> ElasticCoupling:
         """Add the compliance among near points; returns the ports that they act on."""
@@ -443,7 +430,7 @@ class ElasticResponse:
             half = (load @ C.reshape(count, -1)).reshape(m * d, count, d).swapaxes(1, 2)
             whole = half.reshape(m * d * d, count) @ load.T
             C = np.ascontiguousarray(whole.reshape(m, d, d, m).swapaxes(2, 3))
-        add_compliance(W, weight, near.frames, at, C, share)
+        meshed.add_compliance(W, weight, near.frames, at, C, share)
         return coupling
 
     def _coupling(self, near: CandidateSet) -> ElasticCoupling:
@@ -461,12 +448,12 @@ class ElasticResponse:
         parts = [(side, side.spots(near.kinematics) or itself) for side, itself in sides]
         used = np.zeros(self._ports, dtype=np.bool_)
         for side, spots in parts:
-            mark_ports(near.number, side.first, side.count, side.port, spots.nodes, used)
+            meshed.mark_ports(near.number, side.first, side.count, side.port, spots.nodes, used)
         ports = used.nonzero()[0]
         load = np.zeros((len(near.number), len(ports)))
         for side, spots in parts:
             where = near.number, side.first, side.count, side.port, spots.nodes
-            add_loads(*where, spots.weights, side.sign, ports, load)
+            meshed.add_loads(*where, spots.weights, side.sign, ports, load)
         return ElasticCoupling(ports, load)
 
     def respond(
@@ -483,17 +470,17 @@ class ElasticResponse:
             return self.owned(at, motion)
         moved, load = np.empty(motion.nodes.size), coupling.load
         vectors = np.empty(force.shape)
-        point_vectors(force, weight, near.frames, at[1], vectors)
+        meshed.point_vectors(force, weight, near.frames, at[1], vectors)
         if load is not None:
             vectors = load.T @ vectors
         strain = self.compliance.displacement(coupling.ports, vectors)
-        moved_with_strain(*motion, strain, vectors, at, moved)
+        meshed.moved_with_strain(*motion, strain, vectors, at, moved)
         return moved
 
     def owned(self, at: Array, motion: ElasticMotion) -> Array:
         """A motion of the owned unknowns, from the frame of the body back into space."""
         vectors = np.empty(motion.nodes.size)
-        out_of_frame(*motion, at, vectors)
+        meshed.out_of_frame(*motion, at, vectors)
         return vectors
 
 

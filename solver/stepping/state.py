@@ -7,8 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.bodies.kinematics import RigidMotion, turning_ahead
+from solver.bodies.kinematics import RigidMotion
 from solver.contact.memory import Memory
+from solver.kernels import meshed
 from solver.stepping.system import System
 from solver.types import Array
 
@@ -42,7 +43,7 @@ class RotationPrediction(NamedTuple):
             else:
                 before, rate, length = last.spins[number], last.rates[number], last.step
             ahead.append(np.empty((3, len(spin))))
-            turning_ahead(spin, before, rate, length, step, ahead[-1])
+            meshed.turning_ahead(spin, before, rate, length, step, ahead[-1])
         rates, angles = [each[0] for each in ahead], [each[2] for each in ahead]
         return cls(step, spins, rates, angles, [0.5 * angle for angle in angles])
 

@@ -9,16 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.contact.kernels.candidates import (
-    LEFT_OPEN,
-    NOTHING_NEAR,
-    OTHERS_NEAR,
-    UNSETTLED,
-    settle,
-    sinks_in,
-    take_over,
-)
 from solver.contact.memory import Memory
+from solver.kernels import meshed
 from solver.law.friction import Bounds, points_at_bound
 from solver.law.local_problem import LocalProblem, NoContactSolution, image
 from solver.law.many_points import MANY_ROWS
@@ -167,6 +159,12 @@ it (two corners that push against each other): with nothing to hold them back su
 their round-off shows, so they become even step by step."""
 
 
+NOTHING_NEAR, OTHERS_NEAR, LEFT_OPEN, UNSETTLED, SETTLED = range(5)
+"""What can become of a correction's contact problem, as `meshed.settle` says: no point is near;
+others are than those whose compliance there is; its free values are there, and it is left to the
+caller; no method settled it; it is solved."""
+
+
 class OthersNear(NamedTuple):
     """Points that are near where they are not those of an operator.
 
@@ -234,7 +232,7 @@ class StepContact:
         change, q = np.empty(shape), np.empty(shape)
         alone = not self._points.decays and q.size <= MANY_ROWS
         how = *self.friction.of_all(), alone, self._local.counts
-        outcome, count, squares = settle(
+        outcome, count, squares = meshed.settle(
             y, near, W, operator.softening, *self._of_points, *how, q, change
         )
         if outcome == OTHERS_NEAR:
@@ -251,7 +249,7 @@ class StepContact:
     def sinks_in(self, y: Array) -> bool:
         """True if points that were never near sink in at augmented positions y."""
         points = self._points
-        return sinks_in(y, points.round_off, self._may_touch, self._margin.seen)
+        return meshed.sinks_in(y, points.round_off, self._may_touch, self._margin.seen)
 
     def _settle_in_rounds(self, operator: Delassus, q: Array, change: Array) -> float:
         """Settle a problem of many points, or one whose friction follows the motion.
@@ -265,4 +263,4 @@ class StepContact:
             force = self._local.solve(W, q, force, self.friction.at(near), near)
             if not self.friction.follows(near, W, q, force):
                 break
-        return take_over(self.force, near, force, change)
+        return meshed.take_over(self.force, near, force, change)

@@ -378,7 +378,7 @@ def test_both_stages_of_the_image_set_the_same_variables() -> None:
 # ---------------------------------------------------------------- kernels
 
 SAYS = ("sh", "-c", 'cat "$ROCKSLIP_KERNELS"')
-BUILDING = "in-env: building the kernels: some 10 s, once\n"
+BUILDING = "in-env: building the kernels: some 20 s, once\n"
 
 
 def test_kernels_are_compiled_once(machine: Machine) -> None:

@@ -7,10 +7,12 @@ import pytest
 
 from solver.contact.body_points import FixedPoints, PointState
 from solver.contact.carriers import Face
-from solver.contact.kernels.facets import FARTHER
 
 COUNT = 6
 """Facets along a side of the face, 1 m each."""
+
+FARTHER = 0.5
+"""Part of a facet: one that is farther than the nearest one by more is not tried (facets.hpp)."""
 
 FRAME = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 

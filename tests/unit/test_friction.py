@@ -3,21 +3,13 @@
 import numpy as np
 import pytest
 
+from solver.kernels import meshed
 from solver.law.friction import (
+    SLIPPED,
     TOUCHING_SLOPE,
     Bounds,
-    FrictionLaws,
-    at_bound,
-    bounds_by_past,
-    bounds_followed,
-    coefficient,
-    followed,
-    held,
-    is_frictionless,
-    pasts_after,
+    FrictionLaw,
     points_at_bound,
-    points_that_slip,
-    slips,
 )
 from solver.law.local_problem import LocalProblem, image
 from solver.law.velocity import impulse_correction
@@ -34,27 +26,28 @@ def pasts(*rows: tuple[float, int, int]) -> np.ndarray:
 
 
 def test_the_coefficient_falls_from_static_to_dynamic_with_speed():
-    laws = FrictionLaws.of([FrictionSpec(static=0.6, dynamic=0.2, decay=3.0)])
+    law = FrictionLaw.of(FrictionSpec(static=0.6, dynamic=0.2, decay=3.0))
     speed = (0.0, np.log(2) / 3, np.log(4) / 3, 1e3)
     # the jump by memory has no say where there is a decay
     for slipped in (0, 1):
-        bounds = bounds_by_past(laws, pasts(*((v, slipped, 0) for v in speed)), np.ones(4))
+        bounds = law.bounds_by_past(pasts(*((v, slipped, 0) for v in speed)), np.ones(4))
         assert bounds.mu == pytest.approx([0.6, 0.4, 0.3, 0.2])
 
 
 def test_without_decay_the_coefficient_jumps_where_a_point_slipped():
-    laws = FrictionLaws.of([FrictionSpec(static=0.6, dynamic=0.2)])
-    bounds = bounds_by_past(laws, pasts((0.0, 0, 0), (5.0, 1, 0)), np.ones(2))
+    law = FrictionLaw.of(FrictionSpec(static=0.6, dynamic=0.2))
+    bounds = law.bounds_by_past(pasts((0.0, 0, 0), (5.0, 1, 0)), np.ones(2))
     assert bounds.mu.tolist() == [0.6, 0.2]
-    smooth = FrictionLaws.of([FrictionSpec(static=0.5, dynamic=0.0, decay=2.0)])
-    assert coefficient(smooth, 0, 0.5, True) == pytest.approx(0.5 * np.exp(-1))
+    smooth = FrictionLaw.of(FrictionSpec(static=0.5, dynamic=0.0, decay=2.0))
+    bounds = smooth.bounds_by_past(pasts((0.5, 1, 1)), np.ones(1))
+    assert bounds.mu == pytest.approx([0.5 * np.exp(-1)])
 
 
 def test_cohesion_is_a_force_per_point_and_can_be_lost():
     area, past = np.array([0.1, 0.2]), pasts((0.0, 0, 0), (0.0, 0, 1))
     for lost, expected in ((False, [3e3, 6e3]), (True, [3e3, 0.0])):
         spec = FrictionSpec(static=0.5, cohesion=3e4, cohesion_lost=lost)
-        bounds = bounds_by_past(FrictionLaws.of([spec]), past, area)
+        bounds = FrictionLaw.of(spec).bounds_by_past(past, area)
         assert bounds.cohesion == pytest.approx(expected)
 
 
@@ -69,86 +62,71 @@ def test_what_the_bound_of_a_law_depends_on():
     assert not FrictionSpec(static=0.5, cohesion=1.0).jumps
 
 
-def test_bounds_know_whether_there_is_any_friction():
-    assert is_frictionless(Bounds.uniform(0.0, 3))
-    assert not is_frictionless(Bounds.uniform(0.1, 3))
-    assert not is_frictionless(Bounds(np.zeros(2), np.array([0.0, 1.0])))
-
-
-def test_laws_of_several_surfaces_are_those_of_each():
-    specs = [
-        FrictionSpec(static=0.6, dynamic=0.2, decay=3.0),
-        FrictionSpec(static=0.5, dynamic=0.1, cohesion=3e4, cohesion_lost=True),
-    ]
-    together = FrictionLaws.of(specs)
-    for k, spec in enumerate(specs):
-        alone = FrictionLaws.of([spec])
-        for past in pasts((0.0, 0, 0), (0.4, 1, 1)):
-            assert held(together, k, past) == held(alone, 0, past)
-
-
 def test_within_a_step_a_jump_only_falls_and_a_decay_follows_the_speed():
     tables = {"dynamic": 0.2}, {"dynamic": 0.2, "decay": 3.0}
-    jump, decay = (FrictionLaws.of([FrictionSpec(static=0.6, **table)]) for table in tables)
-    past = pasts((0.0, 0, 0))[0]
-    assert followed(jump, 0, past, 0.6, 1.0, False) == (0.6, True)
-    assert followed(jump, 0, past, 0.6, 1.0, True) == (0.2, True)
-    assert followed(jump, 0, past, 0.2, 0.0, False) == (0.2, True)
-    mu, _ = followed(decay, 0, past, 0.2, np.log(2) / 3, True)
-    assert mu == pytest.approx(0.4)
-    assert followed(decay, 0, past, 0.2, 0.0, False)[0] == 0.6
+    jump, decay = (FrictionLaw.of(FrictionSpec(static=0.6, **table)) for table in tables)
+    points = np.zeros((3, 3)), np.ones(3), np.array([0.6, 0.6, 0.2])
+    speed, slips = np.array([1.0, 1.0, 0.0]), mask(0, 1, 0)
+    assert jump.bounds_followed(*points, speed, slips).mu.tolist() == [0.6, 0.2, 0.2]
+    speed = np.array([np.log(2) / 3, np.log(2) / 3, 0.0])
+    assert decay.bounds_followed(*points, speed, slips).mu == pytest.approx([0.4, 0.4, 0.6])
 
 
-def test_cohesion_that_is_lost_is_lost_in_the_step_in_which_a_point_slips():
-    law = FrictionLaws.of([FrictionSpec(static=0.6, cohesion=1.0, cohesion_lost=True)])
-    for broken in (0, 1):
-        past = pasts((0.0, 0, broken))[0]
-        assert followed(law, 0, past, 0.6, 0.0, False) == (0.6, not broken)
-        assert followed(law, 0, past, 0.6, 1.0, True) == (0.6, False)
-
-
-def test_bounds_within_a_step_are_those_of_each_point():
-    """Points of one surface, whose cohesion acts on their areas."""
-    area, speed, slips = np.array([0.1, 0.2, 0.3]), np.array([0.0, 0.4, 0.4]), mask(0, 0, 1)
-    past, so_far = pasts((0.0, 0, 0), (0.0, 0, 1), (0.2, 1, 1)), np.array([0.6, 0.5, 0.2])
-    for decay, lost in ((0.0, False), (0.0, True), (3.0, True)):
+@pytest.mark.parametrize("decay", [0.0, 3.0])
+def test_cohesion_that_is_lost_is_lost_in_the_step_in_which_a_point_slips(decay):
+    """It acts on the areas of the points; the second one broke loose before, the third one now."""
+    area, slips, past = (
+        np.array([0.1, 0.2, 0.3]),
+        mask(0, 0, 1),
+        pasts(*[(0, 0, k) for k in (0, 1, 0)]),
+    )
+    for lost, expected in ((False, [1e3, 2e3, 3e3]), (True, [1e3, 0.0, 0.0])):
         spec = FrictionSpec(static=0.6, dynamic=0.2, decay=decay, cohesion=1e4, cohesion_lost=lost)
-        laws = FrictionLaws.of([spec])
-        bounds = bounds_followed(laws, past, area, so_far, speed, slips)
-        for i in range(3):
-            mu, coheres = followed(laws, 0, past[i], so_far[i], speed[i], slips[i])
-            assert bounds.mu[i] == mu
-            assert bounds.cohesion[i] == (1e4 * area[i] if coheres else 0.0)
-    assert bounds.cohesion.tolist() == [1e3, 0.0, 0.0]
-    assert bounds.mu == pytest.approx([0.6, *[0.2 + 0.4 * np.exp(-1.2)] * 2])
+        law = FrictionLaw.of(spec)
+        bounds = law.bounds_followed(past, area, np.full(3, 0.6), np.zeros(3), slips)
+        assert bounds.cohesion == pytest.approx(expected)
+
+
+def memory_after(
+    force: np.ndarray, way: np.ndarray, own: np.ndarray, bounds: Bounds, before: np.ndarray
+) -> np.ndarray:
+    """Pasts of points after a step of 1 ms in which each slid a way, m; own: compliances, m/N."""
+    still = np.zeros_like(force)
+    y, anchor, past = still - own[:, None] * force, still[:, 1:].copy(), np.empty_like(before)
+    y[:, 1] += way
+    old = still, still, anchor.copy(), before
+    meshed.after_step(force, y, *old, own, bounds.mu, bounds.cohesion, 1e-3, anchor, past)
+    return past
 
 
 def test_a_point_remembers_that_it_slipped_while_it_is_closed_and_for_ever_that_it_broke_loose():
-    closed, slipped = mask(1, 1, 0), mask(1, 0, 0)
+    force, own = np.array([[1.0, 0.5], [1.0, 0.0], [0.0, 0.0]]), np.full(3, 1e-5)
     before = pasts((0.0, 0, 0), (0.3, 1, 1), (0.3, 1, 1))
-    law = FrictionLaws.of([FrictionSpec(static=0.6)])
-    after = pasts_after(law, before, closed, slipped, np.array([0.2, 0.1, 0.1]), 1e-3)
-    assert after.tolist() == [[0.2, 1.0, 1.0], [0.0, 0.0, 1.0], [0.0, 0.0, 1.0]]
+    way = np.array([2e-4, 1e-4, 1e-4])
+    after = memory_after(force, way, own, Bounds.uniform(0.5, 3), before)
+    assert after == pytest.approx(pasts((0.2, 1, 1), (0.0, 0, 1), (0.0, 0, 1)))
     assert before[2].tolist() == [0.3, 1.0, 1.0]
 
 
-def test_a_point_slips_where_it_moves_at_its_bound():
-    bounds = Bounds(np.array([0.5]), np.array([0.2]))
-    assert at_bound(bounds, 0, 2.0, 1.2) and at_bound(bounds, 0, 2.0, 1.2 * (1 - 1e-10))
-    assert not at_bound(bounds, 0, 2.0, 1.19) and not at_bound(bounds, 0, 0.0, 0.0)
-    # Its force of 2 N moves it by 6 m: what is less than a hundred thousandth of it is no slip.
-    assert slips(1e-4, 3.0, 2.0) and not slips(5e-5, 3.0, 2.0)
+def test_a_force_is_at_its_bound_up_to_round_off():
+    force = np.array([[2.0, 1.2], [2.0, 1.2 * (1 - 1e-10)], [2.0, 1.19], [0.0, 0.0]])
+    bounds = Bounds(np.full(4, 0.5), np.full(4, 0.2))
+    assert points_at_bound(force, bounds).tolist() == [True, True, False, False]
 
 
 @pytest.mark.parametrize("d", [2, 3])
 def test_which_points_slip(d):
-    """At the bound and moved; at the bound and not moved; moved below the bound; open."""
+    """At the bound and moved; at the bound and not moved; moved below the bound; open.
+
+    Their force of 2 N moves them by 6 m: what is less than a hundred thousandth of it is no slip.
+    """
     force = np.zeros((4, d))
     force[:, 0], force[:, 1] = (2.0, 2.0, 2.0, 0.0), (-1.2, 1.2, 1.1, 0.0)
     bounds = Bounds(np.full(4, 0.5), np.full(4, 0.2))
     way, own = np.array([1e-4, 5e-5, 1e-4, 1e-4]), np.full(4, 3.0)
     assert points_at_bound(force, bounds).tolist() == [True, True, False, False]
-    assert points_that_slip(force, way, own, bounds).tolist() == [True, False, False, False]
+    past = memory_after(force, way, own, bounds, np.zeros((4, 3)))
+    assert past[:, SLIPPED].tolist() == [1.0, 0.0, 0.0, 0.0]
 
 
 # ---------------------------------------------------------------- velocity level

@@ -73,7 +73,7 @@ class TestFullDisk:
         done = subprocess.run(
             [*launcher, sys.executable, "-c", LIMITED, str(blocks * 1024), *words.split()],
             cwd=folder,
-            env=outside_mpirun() | {"ROCKSLIP_NO_NUMBA": "1"},  # whose cache would find no room
+            env=outside_mpirun(),
             capture_output=True,
             text=True,
             timeout=60,

@@ -5,11 +5,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from solver.kernels import meshed
 from solver.law import many_points
 from solver.law.friction import Bounds
-from solver.law.local_problem import LocalProblem, image, new_counts, solve_points
+from solver.law.local_problem import LocalProblem, image, new_counts
 from solver.law.many_points import MANY_ROWS, ManyPoints, gmres
-from solver.law.velocity import correct_impulses, impulse_correction
+from solver.law.velocity import impulse_correction
 
 
 def half_space(side: int, d: int) -> tuple[np.ndarray, np.ndarray]:
@@ -79,7 +80,7 @@ def test_the_answer_is_that_of_the_small_solver(case: str, d: int) -> None:
     assert q.size > MANY_ROWS
     bounds = Bounds(np.full(m, mu), np.full(m, cohesion))
     small = np.zeros((m, d))
-    assert solve_points(W, q, *bounds, small, new_counts())
+    assert meshed.solve_points(W, q, *bounds, small, new_counts())
     many = LocalProblem().solve(W, q, np.zeros((m, d)), bounds)
     np.testing.assert_allclose(many, small, rtol=0, atol=1e-9 * np.abs(small).max())
     assert law_violation(W, q, many, bounds) < 1e-10
@@ -139,13 +140,13 @@ def test_impulses_of_many_points_are_those_of_the_small_solver(d: int) -> None:
     )
     velocity = pressed(places, d, tilt=1.0, push=0.2)
     found = impulse_correction(LocalProblem(), velocity, W, impulse, bounds, 1.0)
-    flat = W.reshape(d * m, d * m), velocity.ravel(), impulse.ravel()
-    small = correct_impulses(d, *flat, bounds, 1.0, new_counts())
+    q = np.empty((m, d))
+    small = meshed.correct_impulses(W, velocity, impulse, *bounds, 1.0, False, new_counts(), q)
     assert found is not None
-    assert small.found
-    np.testing.assert_allclose(found.q.ravel(), small.q, rtol=0, atol=1e-9 * np.abs(small.q).max())
-    assert found.contact == pytest.approx(small.contact, rel=1e-8)
-    assert found.friction == pytest.approx(small.friction, rel=1e-6, abs=1e-9)
+    assert small[0]
+    np.testing.assert_allclose(found.q, q, rtol=0, atol=1e-9 * np.abs(q).max())
+    assert found.contact == pytest.approx(small[1], rel=1e-8)
+    assert found.friction == pytest.approx(small[2], rel=1e-6, abs=1e-9)
 
 
 def test_gmres_says_when_it_does_not_get_there() -> None:

@@ -85,9 +85,8 @@ def test_the_same_fields(tmp_path: Path, text: str, ranks: int) -> None:
     for fields in ("vtk", "vtkhdf"):
         command = [sys.executable, "-m", "solver", "run", "scene.toml", "-q", "-o", fields]
         command += ["--set", f'output.fields="{fields}"']
-        environment = outside_mpirun() | {"ROCKSLIP_NO_NUMBA": "1" if text != MIXED else ""}
         subprocess.run(
-            [*launcher, *command], cwd=tmp_path, env=environment, check=True, timeout=300
+            [*launcher, *command], cwd=tmp_path, env=outside_mpirun(), check=True, timeout=300
         )
     assert not (tmp_path / "vtkhdf" / "fields").exists()
     pieces, file = grids(tmp_path / "vtk"), grids(tmp_path / "vtkhdf")

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from solver.run import progress, simulate
+from solver.run import progress
 
 
 class Terminal(io.StringIO):
@@ -70,8 +70,8 @@ def test_a_bar_on_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("hurried")
-def test_what_is_left_counts_neither_set_up_nor_pauses(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A minute of set-up, a quarter of the steps in 5 s, with half a minute in which none is taken.
+def test_what_is_left_does_not_count_set_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A minute of set-up, a quarter of the steps in 5 s.
 
     The run goes on from 1 s of 5.
     """
@@ -81,34 +81,8 @@ def test_what_is_left_counts_neither_set_up_nor_pauses(monkeypatch: pytest.Monke
     shown = progress.Progress(5.0)
     now[0] = 60.0
     shown.begin(1.0)
-    now[0] = 62.0
-    shown.pause("compiling")
-    now[0] = 92.0
-    shown.go_on()
-    now[0] = 95.0
+    now[0] = 65.0
     shown.update(2.0, 0.01, 3)
     assert stream.getvalue().splitlines() == [
-        "compiling",
-        "t 2 of 5 s (40 %), step 0.01 s, 3 iterations, 95 s spent, 15 s left",
+        "t 2 of 5 s (40 %), step 0.01 s, 3 iterations, 65 s spent, 15 s left",
     ]
-
-
-def test_that_functions_are_compiled_is_said_once() -> None:
-    """In the log and on the display, which shows every pause."""
-    said, told = [], []
-
-    class Display(progress.Progress):
-        def pause(self, why: str) -> None:
-            told.append(why)
-
-        def go_on(self) -> None:
-            told.append("on")
-
-    compilations = simulate._Compilations(said.append, Display(1.0, quiet=True))
-    for seconds, kept in ((2.0, False), (4.0, False), (0.5, True)):
-        compilations.pause("")
-        if not kept:
-            compilations.pause("compiling")
-        compilations.go_on(seconds)
-    assert compilations.seconds == 6.5
-    assert said == ["compiling"] and told == ["", "compiling", "on", "", "on", "", "on"]

@@ -22,7 +22,7 @@ from solver.scene import parse_scene
 block = {"width": 0.25, "height": 1.0, "mass": 503.0, "model": "rigid", "tilt_deg": 3.0}
 system = RigidSystem.from_scene(parse_scene({"block": [block], "time": {"end": 1.0}}))
 system.advance(250, 1e-3)
-heavy = {"dolfinx", "mpi4py", "petsc4py", "gmsh", "ufl", "numba"}
+heavy = {"dolfinx", "mpi4py", "petsc4py", "gmsh", "ufl"}
 print(sorted(heavy & set(sys.modules)))
 """
 

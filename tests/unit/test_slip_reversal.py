@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from solver.law.velocity import slip_reversal
+from solver.kernels import meshed
 from solver.stepping.impulses import largest_reversal
 from solver.types import Array
 
@@ -13,7 +13,7 @@ from solver.types import Array
 def reversal(friction: Array, velocity: Array) -> float:
     """The slip reversal of points that are pressed, by their tangential parts, (m, d - 1)."""
     normal = np.ones((len(friction), 1))
-    return slip_reversal(np.hstack([normal, friction]), np.hstack([normal, velocity]))
+    return meshed.slip_reversal(np.hstack([normal, friction]), np.hstack([normal, velocity]))
 
 
 def test_friction_that_opposes_the_slip_at_the_end_is_no_reversal() -> None:

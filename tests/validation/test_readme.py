@@ -195,8 +195,7 @@ def started(folder: Path, words: Sequence[str], launch: Sequence[str] = ()) -> s
     done = subprocess.run(
         [*launch, sys.executable, *words],
         cwd=folder,
-        # Interpreted: to load what is compiled takes longer than these commands.
-        env={**outside_mpirun(), "PYTHONPATH": str(ROOT), "ROCKSLIP_NO_NUMBA": "1"},
+        env={**outside_mpirun(), "PYTHONPATH": str(ROOT)},
         capture_output=True,
         text=True,
         timeout=600,

@@ -45,12 +45,13 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> ZipFile:
     assert built.returncode == 0, built.stdout + built.stderr
     (file,) = (folder / "out").iterdir()
     platform = sysconfig.get_platform().replace("-", "_")
-    assert file.name == f"rockslip-{VERSION}-py3-none-{platform}.whl"
+    assert file.name == f"rockslip-{VERSION}-cp311-abi3-{platform}.whl"
     return ZipFile(file)
 
 
 def test_it_holds_all_modules_and_the_kernels(wheel: ZipFile) -> None:
-    sources = [file for name in PACKAGES for file in (ROOT / name).rglob("*.py")]
+    sources = [file for name in PACKAGES for file in (ROOT / name).rglob("*.py*")]
+    sources = [file for file in sources if file.suffix in (".py", ".pyi")]
     modules = {str(file.relative_to(ROOT)) for file in sources} | {"rockslip.py"}
     modules.add("solver/kernels/librockslip.so")
     names = {name for name in wheel.namelist() if ".dist-info/" not in name}

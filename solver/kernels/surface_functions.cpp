@@ -1,0 +1,177 @@
+// Functions for Python of contact points of meshed surfaces, and of the bodies that they belong to.
+#include "nitsche.hpp"
+#include "python.hpp"
+#include "turned_frame.hpp"
+
+namespace rockslip::python {
+namespace {
+
+void evaluate(Indices<2> numbers, Array<2> table, Array<2> reference, Array<2> displacement, Output<2> state) {
+    in_dimension(displacement.length(1), [&](auto d) {
+        const StateValues<d, double> values{state.data(), reference.length()};
+        rockslip::evaluate(Surface<d>(numbers, table), reference.data(), displacement.data(), values);
+    });
+}
+
+void point_values(Indices<2> numbers, Array<2> table, Array<2> nodal, Output<2> found) {
+    found.fill(0.0);
+    in_dimension(nodal.length(1),
+                 [&](auto d) { add_point_values(Surface<d>(numbers, table), nodal.data(), found.data()); });
+}
+
+void add_point_forces(Indices<2> numbers, Array<2> table, Array<2> force, Output<2> nodal) {
+    in_dimension(nodal.length(1), [&](auto d) {
+        rockslip::add_point_forces(Surface<d>(numbers, table), force.data(), nodal.data());
+    });
+}
+
+void augment(Array<2> place, Array<2> traction, Array<1> inverse_gamma, Array<2> frame, Output<2> y) {
+    std::copy(place.begin(), place.end(), y.begin());
+    in_dimension(y.length(1), [&](auto d) {
+        for (std::ptrdiff_t p = 0; p < y.length(); p++)
+            take_traction_off<d>(y.data() + d * p, inverse_gamma[p], frame.data(), traction.data() + d * p);
+    });
+}
+
+void add_traction_gradient(Indices<2> numbers, Array<2> table, Array<2> before, Array<2> after, Array<2> vectors,
+                           Output<2> nodal) {
+    in_dimension(vectors.length(1), [&](auto d) {
+        const std::ptrdiff_t points = vectors.length();
+        const StateValues<d, const double> one{before.data(), points}, two{after.data(), points};
+        const auto vector = [&](std::ptrdiff_t p) { return vector_of<d>(vectors.data() + d * p); };
+        rockslip::add_traction_gradient(Surface<d>(numbers, table), one, two, vector, nodal.data());
+    });
+}
+
+void add_contact_forces(Indices<2> numbers, Array<2> table, Array<2> before, Array<2> after, Array<2> vectors,
+                        Array<2> scale, Array<2> force, Array<2> frame, double old_weight, double new_weight,
+                        Output<2> nodal) {
+    in_dimension(vectors.length(1), [&](auto d) {
+        const Surface<d> surface(numbers, table);
+        const std::ptrdiff_t points = vectors.length();
+        const StateValues<d, const double> one{before.data(), points}, two{after.data(), points};
+        const TractionPull<d> pull{scale.data(), force.data(), frame.data(), old_weight, new_weight, one, two};
+        rockslip::add_point_forces(surface, vectors.data(), nodal.data());
+        rockslip::add_traction_gradient(surface, one, two, pull, nodal.data());
+    });
+}
+
+void into_frame(Array<1> vectors, Array<3> turns, double factor, Output<1> turned, Output<1> total) {
+    in_dimension(total.length(), [&](auto d) {
+        const Turns<d> at(turns.data());
+        const auto sum = rockslip::into_frame<d>(vectors.data(), turned.length() / d, at.middle, factor, turned.data());
+        std::copy(sum.begin(), sum.end(), total.begin());
+    });
+}
+
+void point_vectors(Array<2> force, double weight, Array<3> frames, Array<2> rotation, Output<2> vectors) {
+    in_dimension(force.length(1), [&](auto d) {
+        const auto turned = matrix_of<d>(rotation.data());
+        for (std::ptrdiff_t p = 0; p < force.length(); p++) {
+            const auto vector = point_vector<d>(force[p].data(), weight, frames[p].data(), turned);
+            std::copy(vector.begin(), vector.end(), vectors[p].begin());
+        }
+    });
+}
+
+void moved_with_strain(Array<1> nodes, Array<1> push, Array<1> strain, Array<2> vectors, Array<3> turns,
+                       Output<1> moved) {
+    in_dimension(push.length(), [&](auto d) {
+        const Turns<d> at(turns.data());
+        const auto further = at.shifted(sum_of<d>(vectors.data(), vectors.length()));
+        rockslip::out_of_frame<d>(nodes.data(), nodes.length() / d, at, vector_of<d>(push.data()), strain.data(),
+                                  further, moved.data());
+    });
+}
+
+void out_of_frame(Array<1> nodes, Array<1> push, Array<3> turns, Output<1> vectors) {
+    in_dimension(push.length(), [&](auto d) {
+        rockslip::out_of_frame<d>(nodes.data(), nodes.length() / d, Turns<d>(turns.data()),
+                                  vector_of<d>(push.data()), nullptr, {}, vectors.data());
+    });
+}
+
+void add_places(Output<2> moved, std::int64_t first, double sign, Array<2> motions, Array<3> frame,
+                Array<2> rotation) {
+    in_dimension(motions.length(1), [&](auto d) {
+        const auto motion = [&](std::ptrdiff_t p) { return vector_of<d>(motions.data() + d * p); };
+        rockslip::add_places<d>(moved.data() + d * first, motions.length(), sign, motion, frame,
+                                matrix_of<d>(rotation.data()));
+    });
+}
+
+void read_points(Indices<1> start, Indices<1> column, Array<1> weight, Array<1> nodes, Array<1> push, Array<2> shift,
+                 Output<2> read) {
+    in_dimension(push.length(), [&](auto d) {
+        const auto all = mul(matrix_of<d>(shift.data()), vector_of<d>(push.data()));
+        const PointReader<d> reader{start.data(), column.data(), weight.data(), nodes.data(), all};
+        for (std::ptrdiff_t p = 0; p < read.length(); p++) {
+            const auto motion = reader(p);
+            std::copy(motion.begin(), motion.end(), read[p].begin());
+        }
+    });
+}
+
+void add_readings(Output<2> moved, std::int64_t first, double sign, Indices<1> start, Indices<1> column,
+                  Array<1> weight, Array<1> nodes, Array<1> push, Array<3> frame, Array<3> turns) {
+    in_dimension(push.length(), [&](auto d) {
+        const Turns<d> at(turns.data());
+        const auto all = at.shifted(vector_of<d>(push.data()));
+        const PointReader<d> reader{start.data(), column.data(), weight.data(), nodes.data(), all};
+        rockslip::add_places<d>(moved.data() + d * first, (start.length() - 1) / d, sign, reader, frame, at.rotation);
+    });
+}
+
+void mark_ports(Indices<1> near, std::int64_t first, std::int64_t count, std::int64_t port, Indices<2> nodes,
+                MaskOut<1> used) {
+    rockslip::mark_ports(near, {first, count}, port, nodes, used);
+}
+
+void add_loads(Indices<1> near, std::int64_t first, std::int64_t count, std::int64_t port, Indices<2> nodes,
+               Array<2> weights, double sign, Indices<1> ports, Output<2> load) {
+    rockslip::add_loads(near, {first, count}, port, nodes, weights, sign, ports, load);
+}
+
+void add_compliance(Output<4> W, double weight, Array<3> frames, Array<3> turns, Array<4> C, Array<1> share) {
+    in_dimension(frames.length(1), [&](auto d) {
+        rockslip::add_compliance<d>(W.data(), weight, frames, Turns<d>(turns.data()), C.data(), share.data());
+    });
+}
+
+void turn(Array<2> start, Array<2> rotation, double inertia, Output<3> turns) {
+    in_dimension(rotation.length(), [&](auto d) {
+        const Turns<d> found(matrix_of<d>(start.data()), matrix_of<d>(rotation.data()), inertia);
+        double* entries = turns.data();
+        for (const auto* matrix : {&found.rotation, &found.middle, &found.shift})
+            for (const auto& row : *matrix) entries = std::copy(row.begin(), row.end(), entries);
+    });
+}
+
+double largest_turn(Array<3> now, Array<3> before) { return rockslip::largest_turn(now, before); }
+
+}  // namespace
+
+std::vector<PyMethodDef> surface_functions() {
+    return {
+        entry<evaluate>("evaluate"),
+        entry<point_values>("point_values"),
+        entry<add_point_forces>("add_point_forces"),
+        entry<augment>("augment"),
+        entry<add_traction_gradient>("add_traction_gradient"),
+        entry<add_contact_forces>("add_contact_forces"),
+        entry<into_frame>("into_frame"),
+        entry<point_vectors>("point_vectors"),
+        entry<moved_with_strain>("moved_with_strain"),
+        entry<out_of_frame>("out_of_frame"),
+        entry<add_places>("add_places"),
+        entry<read_points>("read_points"),
+        entry<add_readings>("add_readings"),
+        entry<mark_ports>("mark_ports"),
+        entry<add_loads>("add_loads"),
+        entry<add_compliance>("add_compliance"),
+        entry<turn>("turn"),
+        entry<largest_turn>("largest_turn"),
+    };
+}
+
+}  // namespace rockslip::python
