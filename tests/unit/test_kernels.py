@@ -141,7 +141,7 @@ def test_no_compiler_warns(tmp_path: Path) -> None:
 @pytest.mark.slow
 @NEEDS_COMPILER
 def test_sanitizers_find_nothing(tmp_path: Path) -> None:
-    """In dominoes, a wall, blocks in space, the loops of meshed bodies; what is there, they find."""
+    """In dominoes, a wall, blocks in space, loops of meshed bodies; what is there, they find."""
     built = build(tmp_path / NAME, *SANITIZERS)
     assert built.returncode == 0, built.stderr
     preloaded = [
