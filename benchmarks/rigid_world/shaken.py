@@ -3,9 +3,9 @@
     ./in-env python3 -m benchmarks.rigid_world.shaken [--record FILE --scale 2]
 
 The wall has joints of 2 mm. It is shaken at 0.8 g and 4 Hz, at 0.3 g and 2 Hz with friction 0.25,
-and by a record where one is given, each with steps of 1 ms and of 0.5 ms, and with steps of 1 ms once
-more while the ground moves 1e-9 more: what that changes no step can settle. Prints a line for each
-run, and how far places at its end differ between them. Takes three quarters of an hour.
+and by a record where one is given, each with steps of 1 ms and of 0.5 ms, and with steps of 1 ms
+once more while the ground moves 1e-9 more: what that changes no step can settle. Prints a line for
+each run, and how far places at its end differ between them. Takes three quarters of an hour.
 """
 
 from __future__ import annotations
