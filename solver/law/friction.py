@@ -54,7 +54,7 @@ class FrictionLaw(NamedTuple):
 
     @classmethod
     def of(cls, law: FrictionSpec) -> FrictionLaw:
-        """That of a scene."""
+        """The friction of a scene's table."""
         return cls(*(getattr(law, name) for name in cls._fields))
 
     def bounds_by_past(self, past: Array, area: Array) -> Bounds:

@@ -54,7 +54,7 @@ class DenseProblem(NamedTuple):
     q: Array
     """Free values, (d m,), m."""
     mu: Array
-    """Of `Bounds`, as the next two."""
+    """Bounds of friction, as `Bounds` has them, like the next two."""
     cohesion: Array
     slope: float
 
