@@ -429,7 +429,7 @@ template <int d> class World {
     /// Adds a contact of a pair unless it is there, or was below its face, beside it, at the start; true
     /// where it is added.
     bool add_late_contact(Attempt& A, std::size_t pair, const Feature<d>& feature) {
-        const auto [low, high] = A.pairs[pair];
+        const int low = A.pairs[pair].first, high = A.pairs[pair].second;
         const std::uint64_t id = feature.id();
         const auto is_there = [&](std::size_t from, std::size_t to) {
             return std::any_of(A.contacts.begin() + from, A.contacts.begin() + to, [&](const C& k) {
