@@ -21,8 +21,7 @@ void project_onto_facets(Indices<2> facets, Indices<2> powers, Array<2> factors,
                          MaskOut<1> beyond_edge) {
     const FacetShapes shapes{facets, powers, factors, derivatives, undeformed, meeting, first, along, corners, margin};
     const ClosestPoints closest{nodes, weights, slope, stretch, beyond_edge};
-    if (frame.length() == 2) project<2>(shapes, position, carrier, frame, place, closest);
-    else project<3>(shapes, position, carrier, frame, place, closest);
+    in_dimension(frame.length(), [&](auto d) { project<d>(shapes, position, carrier, frame, place, closest); });
 }
 
 void interpolated(Indices<2> nodes, Array<2> weights, Array<2> values, Output<2> found) {
@@ -72,8 +71,7 @@ void forces_in_space(Indices<2> old_nodes, Array<2> old_weights, Array<2> old_sl
                      Output<2> vectors) {
     const FootPoints old{old_nodes, old_weights, old_slope, old_stretch, old_place, old_position};
     const FootPoints now{nodes, weights, slope, stretch, place, position};
-    if (frame.length() == 2) fill_in_forces<2>(old, now, frame, facet, force, vectors);
-    else fill_in_forces<3>(old, now, frame, facet, force, vectors);
+    in_dimension(frame.length(), [&](auto d) { fill_in_forces<d>(old, now, frame, facet, force, vectors); });
 }
 
 double work_defect(Indices<2> old_nodes, Array<2> old_weights, Array<2> old_slope, Array<3> old_stretch,
@@ -81,8 +79,7 @@ double work_defect(Indices<2> old_nodes, Array<2> old_weights, Array<2> old_slop
                    Array<3> stretch, Array<2> place, Array<2> position, Array<2> frame, double facet, Array<2> force) {
     const FootPoints old{old_nodes, old_weights, old_slope, old_stretch, old_place, old_position};
     const FootPoints now{nodes, weights, slope, stretch, place, position};
-    if (frame.length() == 2) return sum_of_defects<2>(old, now, frame, facet, force);
-    return sum_of_defects<3>(old, now, frame, facet, force);
+    return in_dimension(frame.length(), [&](auto d) { return sum_of_defects<d>(old, now, frame, facet, force); });
 }
 
 }  // namespace

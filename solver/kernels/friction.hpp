@@ -87,6 +87,16 @@ inline bool follow_slip(const ContactLaw& law, FrictionBound& bound, double spee
     return std::fabs(bound.mu - before.mu) > 1e-13 || bound.cohesion != before.cohesion;
 }
 
+/// Friction's share of the kinetic energy that a correction takes, J.
+///
+/// The tangential impulses took `tangential`, all of them `lost`, and friction had `taken` in the step before.
+/// Normal and tangential impulses of a body act on each other: the work in one direction may be negative, though
+/// their sum is a loss. Friction returns no more than it took before: what the tangential impulses give back
+/// beyond that, the normal ones took, and it is contact's.
+inline double friction_share(double tangential, double lost, double taken) {
+    return std::min(std::max(tangential, -taken), std::max(lost, -taken));
+}
+
 enum State { OPEN, STICK, SLIP, SLIP_BACK, GIVEN };  // SLIP_BACK in the plane: towards -t
 
 /// How the friction of a contact is found.

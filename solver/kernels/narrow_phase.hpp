@@ -64,7 +64,7 @@ constexpr double NEARLY_PARALLEL = 0.02;
 constexpr double ALONG_A_FACE = 0.98;
 
 /// What two computations of one distance differ by, of `inset`.
-constexpr double ROUND_OFF = 1e-3;
+constexpr double DISTANCE_ROUND_OFF = 1e-3;
 
 /// Sine of the angle between faces above which they are not flush.
 constexpr double OBLIQUE = 1e-3;
@@ -96,16 +96,14 @@ template <int d> class NarrowPhase {
     }
 
   private:
+    double round_off() const { return DISTANCE_ROUND_OFF * inset_; }
+
     /// Whether bodies overlap by more than their features show: a corner on a corner is not over a face.
-    bool hides_overlap() const {
-        const double hair = ROUND_OFF * inset_;
-        return apart_ < hair && least_ > apart_ + hair;
-    }
+    bool hides_overlap() const { return apart_ < round_off() && least_ > apart_ + round_off(); }
 
     /// Adds a feature if it is near, unless it shows an overlap of bodies that are apart.
     void add(const Feature<d>& feature, double gap) {
-        const double hair = ROUND_OFF * inset_;
-        if (gap >= margin_ || (apart_ > -hair && gap < std::min(apart_, 0.0) - hair)) return;
+        if (gap >= margin_ || (apart_ > -round_off() && gap < std::min(apart_, 0.0) - round_off())) return;
         found_.push_back(feature);
         least_ = std::min(least_, gap);
     }
@@ -176,7 +174,7 @@ template <int d> class NarrowPhase {
         double deepest = INFINITY;
         for (const Vec<d>& vertex : other.vertices) deepest = std::min(deepest, dot(normal, vertex));
         for (std::size_t i = 0; i < other.vertices.size(); i++)
-            if (dot(normal, other.vertices[i]) <= deepest + ROUND_OFF * inset_) corner_on_face(!by_a, static_cast<int>(i), face);
+            if (dot(normal, other.vertices[i]) <= deepest + round_off()) corner_on_face(!by_a, static_cast<int>(i), face);
     }
 
     /// By how much a's face is taken as smaller. Of oblique faces the one whose normal counts is taken as

@@ -91,11 +91,11 @@ template <class... T> PyObject* made(const std::tuple<T...>& values) {
     return found;
 }
 
-/// Calls a function with the dimension as a type: that of the plane or of space.
-template <class F> void in_dimension(std::ptrdiff_t d, const F& function) {
-    if (d == 2) function(std::integral_constant<int, 2>{});
-    else if (d == 3) function(std::integral_constant<int, 3>{});
-    else throw std::invalid_argument("arrays are of neither two nor three dimensions");
+/// What a function returns with the dimension as a type: that of the plane or of space.
+template <class F> auto in_dimension(std::ptrdiff_t d, const F& function) {
+    if (d == 2) return function(std::integral_constant<int, 2>{});
+    if (d == 3) return function(std::integral_constant<int, 3>{});
+    throw std::invalid_argument("arrays are of neither two nor three dimensions");
 }
 
 template <auto function> struct Function;

@@ -32,6 +32,13 @@ template <int d> Vec<d> vector_at(const double* place) {
     return found;
 }
 
+/// A matrix by its d d entries from a place on.
+template <int d> Mat<d, d> matrix_at(const double* place) {
+    Mat<d, d> found;
+    for (int i = 0; i < d; i++) std::copy_n(place + d * i, d, found[i].begin());
+    return found;
+}
+
 /// Fills in an array by a vector.
 template <std::size_t n> void fill_in(const Output<1>& array, const Numbers<n>& vector) {
     if (array.size() != static_cast<std::ptrdiff_t>(n)) throw std::invalid_argument("an array is no room for a vector");

@@ -38,7 +38,7 @@ void add_traction_gradient(Indices<2> numbers, Array<2> table, Array<2> before, 
     in_dimension(vectors.length(1), [&](auto d) {
         const std::ptrdiff_t points = vectors.length();
         const StateValues<d, const double> one{before.data(), points}, two{after.data(), points};
-        const auto vector = [&](std::ptrdiff_t p) { return vector_of<d>(vectors.data() + d * p); };
+        const auto vector = [&](std::ptrdiff_t p) { return vector_at<d>(vectors.data() + d * p); };
         rockslip::add_traction_gradient(Surface<d>(numbers, table), one, two, vector, nodal.data());
     });
 }
@@ -59,18 +59,15 @@ void add_contact_forces(Indices<2> numbers, Array<2> table, Array<2> before, Arr
 void into_frame(Array<1> vectors, Array<3> turns, double factor, Output<1> turned, Output<1> total) {
     in_dimension(total.length(), [&](auto d) {
         const Turns<d> at(turns.data());
-        const auto sum = rockslip::into_frame<d>(vectors.data(), turned.length() / d, at.middle, factor, turned.data());
-        std::copy(sum.begin(), sum.end(), total.begin());
+        fill_in(total, rockslip::into_frame<d>(vectors.data(), turned.length() / d, at.middle, factor, turned.data()));
     });
 }
 
 void point_vectors(Array<2> force, double weight, Array<3> frames, Array<2> rotation, Output<2> vectors) {
     in_dimension(force.length(1), [&](auto d) {
-        const auto turned = matrix_of<d>(rotation.data());
-        for (std::ptrdiff_t p = 0; p < force.length(); p++) {
-            const auto vector = point_vector<d>(force[p].data(), weight, frames[p].data(), turned);
-            std::copy(vector.begin(), vector.end(), vectors[p].begin());
-        }
+        const auto turned = matrix_at<d>(rotation.data());
+        for (std::ptrdiff_t p = 0; p < force.length(); p++)
+            fill_in(vectors[p], point_vector<d>(force[p].data(), weight, frames[p].data(), turned));
     });
 }
 
@@ -79,7 +76,7 @@ void moved_with_strain(Array<1> nodes, Array<1> push, Array<1> strain, Array<2> 
     in_dimension(push.length(), [&](auto d) {
         const Turns<d> at(turns.data());
         const auto further = at.shifted(sum_of<d>(vectors.data(), vectors.length()));
-        rockslip::out_of_frame<d>(nodes.data(), nodes.length() / d, at, vector_of<d>(push.data()), strain.data(),
+        rockslip::out_of_frame<d>(nodes.data(), nodes.length() / d, at, vector_at<d>(push.data()), strain.data(),
                                   further, moved.data());
     });
 }
@@ -87,28 +84,25 @@ void moved_with_strain(Array<1> nodes, Array<1> push, Array<1> strain, Array<2> 
 void out_of_frame(Array<1> nodes, Array<1> push, Array<3> turns, Output<1> vectors) {
     in_dimension(push.length(), [&](auto d) {
         rockslip::out_of_frame<d>(nodes.data(), nodes.length() / d, Turns<d>(turns.data()),
-                                  vector_of<d>(push.data()), nullptr, {}, vectors.data());
+                                  vector_at<d>(push.data()), nullptr, {}, vectors.data());
     });
 }
 
 void add_places(Output<2> moved, std::int64_t first, double sign, Array<2> motions, Array<3> frame,
                 Array<2> rotation) {
     in_dimension(motions.length(1), [&](auto d) {
-        const auto motion = [&](std::ptrdiff_t p) { return vector_of<d>(motions.data() + d * p); };
+        const auto motion = [&](std::ptrdiff_t p) { return vector_at<d>(motions.data() + d * p); };
         rockslip::add_places<d>(moved.data() + d * first, motions.length(), sign, motion, frame,
-                                matrix_of<d>(rotation.data()));
+                                matrix_at<d>(rotation.data()));
     });
 }
 
 void read_points(Indices<1> start, Indices<1> column, Array<1> weight, Array<1> nodes, Array<1> push, Array<2> shift,
                  Output<2> read) {
     in_dimension(push.length(), [&](auto d) {
-        const auto all = mul(matrix_of<d>(shift.data()), vector_of<d>(push.data()));
+        const auto all = mul(matrix_at<d>(shift.data()), vector_at<d>(push.data()));
         const PointReader<d> reader{start.data(), column.data(), weight.data(), nodes.data(), all};
-        for (std::ptrdiff_t p = 0; p < read.length(); p++) {
-            const auto motion = reader(p);
-            std::copy(motion.begin(), motion.end(), read[p].begin());
-        }
+        for (std::ptrdiff_t p = 0; p < read.length(); p++) fill_in(read[p], reader(p));
     });
 }
 
@@ -116,7 +110,7 @@ void add_readings(Output<2> moved, std::int64_t first, double sign, Indices<1> s
                   Array<1> weight, Array<1> nodes, Array<1> push, Array<3> frame, Array<3> turns) {
     in_dimension(push.length(), [&](auto d) {
         const Turns<d> at(turns.data());
-        const auto all = at.shifted(vector_of<d>(push.data()));
+        const auto all = at.shifted(vector_at<d>(push.data()));
         const PointReader<d> reader{start.data(), column.data(), weight.data(), nodes.data(), all};
         rockslip::add_places<d>(moved.data() + d * first, (start.length() - 1) / d, sign, reader, frame, at.rotation);
     });
@@ -140,10 +134,10 @@ void add_compliance(Output<4> W, double weight, Array<3> frames, Array<3> turns,
 
 void turn(Array<2> start, Array<2> rotation, double inertia, Output<3> turns) {
     in_dimension(rotation.length(), [&](auto d) {
-        const Turns<d> found(matrix_of<d>(start.data()), matrix_of<d>(rotation.data()), inertia);
-        double* entries = turns.data();
-        for (const auto* matrix : {&found.rotation, &found.middle, &found.shift})
-            for (const auto& row : *matrix) entries = std::copy(row.begin(), row.end(), entries);
+        const Turns<d> found(matrix_at<d>(start.data()), matrix_at<d>(rotation.data()), inertia);
+        fill_in(turns[0], found.rotation);
+        fill_in(turns[1], found.middle);
+        fill_in(turns[2], found.shift);
     });
 }
 

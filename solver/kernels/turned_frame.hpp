@@ -7,24 +7,10 @@
 #include <algorithm>
 #include <vector>
 
-#include "array.hpp"
 #include "polar.hpp"
+#include "small_arrays.hpp"
 
 namespace rockslip {
-
-/// A matrix of those of Python.
-template <int d> Mat<d, d> matrix_of(const double* entries) {
-    Mat<d, d> matrix;
-    for (int i = 0; i < d; i++) std::copy_n(entries + d * i, d, matrix[i].begin());
-    return matrix;
-}
-
-/// A vector of those of Python.
-template <int d> Vec<d> vector_of(const double* entries) {
-    Vec<d> vector;
-    std::copy_n(entries, d, vector.begin());
-    return vector;
-}
 
 /// How a body is turned: R at the end of a step, R_m in its middle, and the shift S = (R^T R_m - I)/(w m),
 /// m/N, which moves all nodes by what their forces make together.
@@ -32,8 +18,8 @@ template <int d> struct Turns {
     Mat<d, d> rotation, middle, shift;
 
     explicit Turns(const double* entries)
-        : rotation(matrix_of<d>(entries)), middle(matrix_of<d>(entries + d * d)),
-          shift(matrix_of<d>(entries + 2 * d * d)) {}
+        : rotation(matrix_at<d>(entries)), middle(matrix_at<d>(entries + d * d)),
+          shift(matrix_at<d>(entries + 2 * d * d)) {}
 
     /// From the rotation at the start of a step to that at its end, by the inertia w m, N/m.
     Turns(const Mat<d, d>& start, const Mat<d, d>& end, double inertia)
@@ -55,7 +41,7 @@ template <int d>
 Vec<d> into_frame(const double* vectors, std::ptrdiff_t nodes, const Mat<d, d>& middle, double factor, double* turned) {
     Vec<d> total{};
     for (std::ptrdiff_t n = 0; n < d * nodes; n += d) {
-        const Vec<d> along = factor * transposed_mul(middle, vector_of<d>(vectors + n));
+        const Vec<d> along = factor * transposed_mul(middle, vector_at<d>(vectors + n));
         std::copy_n(along.begin(), d, turned + n);
         total += along;
     }
@@ -77,8 +63,8 @@ void out_of_frame(const double* nodes, std::ptrdiff_t count, const Turns<d>& tur
                   const double* strain, const Vec<d>& further, double* moved) {
     const Vec<d> shift = turns.shifted(push);
     for (std::ptrdiff_t n = 0; n < d * count; n += d) {
-        Vec<d> own = vector_of<d>(nodes + n) + shift;
-        if (strain) own += vector_of<d>(strain + n) + further;
+        Vec<d> own = vector_at<d>(nodes + n) + shift;
+        if (strain) own += vector_at<d>(strain + n) + further;
         const Vec<d> found = mul(turns.rotation, own);
         std::copy_n(found.begin(), d, moved + n);
     }
@@ -87,7 +73,7 @@ void out_of_frame(const double* nodes, std::ptrdiff_t count, const Turns<d>& tur
 /// The sum of vectors, (m, d).
 template <int d> Vec<d> sum_of(const double* vectors, std::ptrdiff_t count) {
     Vec<d> total{};
-    for (std::ptrdiff_t p = 0; p < count; p++) total += vector_of<d>(vectors + d * p);
+    for (std::ptrdiff_t p = 0; p < count; p++) total += vector_at<d>(vectors + d * p);
     return total;
 }
 
@@ -100,7 +86,7 @@ void add_places(double* places, std::ptrdiff_t count, double sign, const Motion&
     for (std::ptrdiff_t p = 0; p < count; p++) {
         if (p < frames.length()) {
             turned = {};
-            add_product(turned, matrix_of<d>(frames[p].data()), rotation, 1.0);
+            add_product(turned, matrix_at<d>(frames[p].data()), rotation, 1.0);
         }
         const Vec<d> moved = motion(p);
         double* place = places + d * p;
@@ -137,7 +123,7 @@ void add_compliance(double* W, double weight, const Array<3>& frames, const Turn
     moved.assign(m, {});
     pushed.assign(m, {});
     for (std::ptrdiff_t p = 0; p < m; p++) {
-        const Mat<d, d> frame = matrix_of<d>(frames[p].data());
+        const Mat<d, d> frame = matrix_at<d>(frames[p].data());
         add_product(moved[p], frame, turns.rotation, 1.0);
         add_product(pushed[p], frame, turns.middle, 1.0);
         for (Vec<d>& row : moved[p]) row = weight * row;

@@ -93,16 +93,6 @@ inline void impulse_problem(int number, const ClosedPoints& points, const Impuls
     }
 }
 
-/// Friction's share of the kinetic energy that a correction takes, J.
-///
-/// The tangential impulses took `tangential`, all of them `lost`, and friction had `taken` in the step before.
-/// Normal and tangential impulses of a body act on each other: the work in one direction may be negative, though
-/// their sum is a loss. Friction returns no more than it took before: what the tangential impulses give back
-/// beyond that, the normal ones took, and it is contact's.
-inline double friction_share(double tangential, double lost, double taken) {
-    return std::min(std::max(tangential, -taken), std::max(lost, -taken));
-}
-
 /// Turns the solution of the problem of a number, (m, d), N s, into the change of the impulses; returns whether
 /// energy allows it, and what it takes in the normal and in the tangential directions, J.
 ///

@@ -882,8 +882,7 @@ template <int d> class World {
             }
             if (lost + taken < -1e-13 * power - quiet) continue;
             counts.rungs[rung]++;
-            // Friction returns no more than it took: the rest is contact's.
-            const double friction = std::min(std::max(lost - normal, -taken), std::max(lost, -taken));
+            const double friction = friction_share(lost - normal, lost, taken);
             ledger.friction += friction;
             ledger.contact += lost - friction;
             rest(island, dt);
