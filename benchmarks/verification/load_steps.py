@@ -22,10 +22,10 @@ import numpy as np
 from solver.bodies.elastic_body import ElasticBody
 from solver.contact.body_points import NitschePoints
 from solver.contact.memory import Memory
+from solver.contact.pairs import Link
 from solver.law.friction import points_at_bound
 from solver.parallel import global_sum
 from solver.stepping.stepper import Stepper
-from solver.stepping.system import Link
 from solver.types import Array, Mask
 
 #: Nodal areas below this part of the largest one are round-off of nodes off the face.

@@ -190,7 +190,7 @@ class ElasticBody(DampedBody):
         self._factor, self._image = (vector.array for vector in self._product)  # kept
         self._factorizations: dict[TangentWeights, Factorization] = {}
         self._rounding: tuple[TangentWeights, Array] | None = None
-        self._interface: PETSc.Mat | None = None
+        self._interfaces: tuple[PETSc.Mat, ...] = ()
         self.strained_at: Array | None = None  # of the stiffness
         self.factorizations = 0
         """Number of tangents factorized so far."""
@@ -336,9 +336,9 @@ class ElasticBody(DampedBody):
         self._forms.place(u)
         return self._forms.increment_energy.scalar()
 
-    def stiffen(self, interface: PETSc.Mat) -> None:
+    def stiffen(self, interfaces: Sequence[PETSc.Mat]) -> None:
         """Hand over (theta/gamma_h) G_T^T w G_T of Nitsche's method, which tangents subtract."""
-        self._interface = interface
+        self._interfaces = tuple(interfaces)
         self._factorizations.clear()
 
     def restiffen(self, u: Array) -> bool:
@@ -371,8 +371,8 @@ class ElasticBody(DampedBody):
             matrix.axpy(weights.mass, self.mass_matrix)
             if self.spring_matrix is not None:
                 matrix.axpy(weights.spring, self.spring_matrix)
-            if self._interface is not None:
-                matrix.axpy(-weights.interface, self._interface)
+            for interface in self._interfaces:
+                matrix.axpy(-weights.interface, interface)
             self._factorizations[weights] = Factorization(
                 self.hold(matrix), dimension=self.dimension, what=self.name
             )

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import combinations
 
 from mpi4py import MPI
 
@@ -11,19 +12,26 @@ import numpy as np
 from dolfinx.mesh import MeshTags
 
 from geometry.arrangement import Pose
-from geometry.foundation import level_frame
 from geometry.mesh import move
 from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.rigid_body import RigidBox, rigid_box
 from solver.build.foundation import FoundationBody, foundation
 from solver.build.meshed_body import mesh_of_block, meshed_body
-from solver.contact.body_points import FacePoints, FixedPoints, NodePoints, RigidPoints
+from solver.contact.body_points import RigidPoints
 from solver.contact.carriers import Carrier, Face
-from solver.contact.edge_crossings import CrossingInterface, Crossings, Outline
-from solver.contact.facets import carrier_surface
 from solver.contact.interface import Interface
-from solver.contact.pairs import ContactPair, FixedContactPair, MeshedContactPair
+from solver.contact.pairs import (
+    BESIDE_BELOW,
+    BESIDE_CARRIED,
+    ContactPair,
+    FixedContactPair,
+    FloorSurface,
+    MeetingPair,
+    MeshedContactPair,
+    edge_interfaces,
+)
+from solver.contact.surfaces import BlockSurface, rigid_points
 from solver.excitation.motion import GroundMotion, read_ground
 from solver.scene import BlockSpec, Scene
 from solver.scene.places import stands
@@ -32,14 +40,6 @@ from solver.stepping.state import State
 from solver.stepping.stepper import StepFailed, Stepper
 from solver.stepping.system import Body, System
 from solver.types import Array
-
-FACE_CORNERS = {
-    (2, FacetTag.TOP): ((3, 2), "interval"),
-    (2, FacetTag.BOTTOM): ((1, 0), "interval"),
-    (3, FacetTag.TOP): ((4, 5, 7, 6), "quadrilateral"),
-    (3, FacetTag.BOTTOM): ((0, 3, 1, 2), "quadrilateral"),
-}
-"""Corners of a box on a level face, in the order of a facet of `carrier_surface`, and its shape."""
 
 
 @dataclass(slots=True)
@@ -51,17 +51,21 @@ class BlockBody:
         body: The body.
         number: Of the body in the system.
         stand: From the body's reference configuration to where it begins.
+        surface: Its surface.
         tags: Facet tags of a meshed body.
         contacts: Numbers of its contacts: with its own points, with those of the edge below it, and
             in space where its edges cross those below.
+        carriers: Numbers of the bodies that carry it.
     """
 
     spec: BlockSpec
     body: ElasticBody | RigidBox
     number: int
     stand: Pose
+    surface: BlockSurface
     tags: MeshTags | None = None
     contacts: list[int] = field(default_factory=list)
+    carriers: tuple[int, ...] = ()
 
 
 @dataclass(slots=True)
@@ -98,12 +102,13 @@ def build(
     bodies += [member.body for member in members]
     if support.body is not None:
         bodies.append(support.body)
-    contacts: list[ContactPair] = []
+    pairs: list[ContactPair] = []
     for member in members:
-        contacts += _contacts(scene, member, members, support, len(contacts))
+        pairs += _carried(scene, member, members, support, len(pairs))
+    pairs += _meetings(scene, members, support)
     stepper = Stepper(
         System(bodies),
-        contacts,
+        pairs,
         GeneralizedAlpha(scene.time.rho_inf, scene.time.damped_steps * scene.time.step),
         gravity=np.array(scene.gravity_vector),
         ground=ground if ground.moves else None,
@@ -117,11 +122,13 @@ def _member(scene: Scene, number: int, placed: tuple[Pose, Pose], comm: MPI.Intr
     """One block: meshed upright at its place, or rigid."""
     spec = scene.blocks[number]
     upright, stand = placed
+    corners = upright(np.array(spec.shape.corners(scene.dimension)))
     if spec.model == "rigid":
         centre = np.zeros(scene.dimension)
         centre[-1] = spec.height / 2
         block = rigid_box(spec.name, spec.shape, upright(centre[None])[0], comm=comm)
-        return BlockBody(spec, block, number, stand)
+        surface = BlockSurface(block, number, block.corners, scene.contact)
+        return BlockBody(spec, block, number, stand, surface)
     made = mesh_of_block(scene, spec, comm)
     move(made.mesh, upright)
     body = meshed_body(
@@ -133,10 +140,11 @@ def _member(scene: Scene, number: int, placed: tuple[Pose, Pose], comm: MPI.Intr
         degree=spec.degree,
         damping=scene.damping_of(spec),
     )
-    return BlockBody(spec, body, number, stand, made.facet_tags)
+    surface = BlockSurface(body, number, corners, scene.contact, made.facet_tags)
+    return BlockBody(spec, body, number, stand, surface, made.facet_tags)
 
 
-def _contacts(
+def _carried(
     scene: Scene,
     member: BlockBody,
     members: Sequence[BlockBody],
@@ -146,7 +154,11 @@ def _contacts(
     """The contact of a block with what carries it, of that one's edge with it, of both edges."""
     law, bed = scene.friction_of(member.spec), scene.bed_of(member.spec)
     below = next((other for other in members if other.spec.name == member.spec.carrier), None)
-    carrier, on = (support.carrier(), support.number) if below is None else _top(below)
+    carrier: Carrier
+    if below is None:
+        carrier, on = support.carrier(), support.number
+    else:
+        carrier, on = below.surface.face(int(FacetTag.TOP), BESIDE_CARRIED), below.number
     own: ContactPair
     if isinstance(member.body, ElasticBody):
         assert member.tags is not None
@@ -164,95 +176,52 @@ def _contacts(
             bed=bed,
         )
     else:
-        points = RigidPoints(member.body, *_outline(member.body, carrier))
+        points = RigidPoints(member.body, *rigid_points(member.body, carrier))
         interface = Interface(points, carrier, law, bed=bed)
         own = FixedContactPair(interface, body=member.number, on=on)
     contacts = [own]
     if isinstance(carrier, Face):
-        bottom = _bottom(member)
-        area = (bottom.facet / 2) ** (scene.dimension - 1)
-        area *= member.spec.thickness if scene.dimension == 2 else 1.0
-        edge = Interface(
-            outline_points(carrier.points), bottom, law, bed=bed, corner_area=area, of_edge=True
-        )
+        bottom = member.surface.face(int(FacetTag.BOTTOM), BESIDE_BELOW)
+        edge, *crossings = edge_interfaces(bottom, carrier, member.surface.thickness, law, bed)
         contacts.append(FixedContactPair(edge, body=on, on=member.number))
-        if scene.dimension == 3:
-            crossings = _crossings(bottom, carrier)
-            crossing = CrossingInterface(crossings, law, bed=bed, corner_area=area)
-            contacts.append(FixedContactPair(crossing, body=member.number, on=on))
+        contacts += [FixedContactPair(each, body=member.number, on=on) for each in crossings]
     member.contacts = list(range(first, first + len(contacts)))
+    names = {each.spec.name: each.number for each in members}
+    member.carriers = tuple(names[name] for name in member.spec.carriers if name in names)
     return contacts
 
 
-def _outline(body: RigidBox, carrier: Carrier) -> tuple[Array, Array]:
-    """Points of a rigid block that may touch, and the area of the bottom that each stands for, m2.
-
-    They are its corners, on facets that deform also a grid on its bottom, no closer than the
-    facets: forces of more points than there are nodes below are not unique. Those of the top stand
-    for as much as those of the bottom: they touch where the block lies on its back.
-    """
-    sides = np.ptp(body.bottom, axis=0)[:-1]
-    counts = [1] * len(sides)
-    if isinstance(carrier, Face) and not isinstance(carrier.points, FixedPoints):
-        counts = [max(1, int(side / carrier.facet + 1e-9)) for side in sides]
-    lines = [np.linspace(0, 1, count + 1) for count in counts]
-    fractions = np.stack(np.meshgrid(*lines, indexing="ij"), -1).reshape(-1, len(sides))
-    inner = (fractions > 0) & (fractions < 1)
-    cell = float(np.prod(sides / counts)) * (body.shape.thickness if body.dimension == 2 else 1.0)
-    area = cell * np.prod(np.where(inner, 1.0, 0.5), axis=1)
-    between = inner.any(axis=1)
-    upwards = np.zeros((np.count_nonzero(between), 1))
-    grid = body.corners[0] + np.hstack([fractions[between] * sides, upwards])
-    corners = np.full(len(body.corners), cell / 2 ** len(sides))
-    return np.vstack([body.corners, grid]), np.concatenate([corners, area[between]])
-
-
-def _face(member: BlockBody, tag: FacetTag, up: float, margin: float) -> Face:
-    """A level face of a block as a carrier."""
-    frame = level_frame(member.body.dimension, up)
-    if isinstance(member.body, ElasticBody):
-        assert member.tags is not None
-        surface = carrier_surface(member.body.space, member.tags, int(tag))
-        nodes = NodePoints(member.body, surface.layer, surface.positions)
-        return Face(nodes, surface.nodes, frame, surface.cell, surface.degree, margin)
-    # The corners along the tangent of the frame, in space in the order of basix, turned outwards.
-    chosen, cell = FACE_CORNERS[member.body.dimension, tag]
-    points = RigidPoints(member.body, member.body.corners[list(chosen)])
-    return Face(points, np.arange(len(chosen))[None], frame, cell, 1, margin)
+def _meetings(
+    scene: Scene, members: Sequence[BlockBody], support: FoundationBody
+) -> Iterator[MeetingPair]:
+    """All other pairs of bodies that may meet."""
+    laws = scene.laws
+    for one, other in combinations(members, 2):
+        law = laws.between(one.spec.name, other.spec.name)[0]
+        for upper, lower in ((one, other), (other, one)):
+            if upper.spec.carrier == lower.spec.name:
+                homes, face = tuple(upper.contacts), int(FacetTag.TOP)
+                yield MeetingPair(upper.surface, lower.surface, law, homes=homes, home_face=face)
+                break
+            if lower.spec.name in upper.spec.carriers:
+                yield MeetingPair(upper.surface, lower.surface, law)
+                break
+        else:
+            first, second = sorted((one, other), key=_fineness, reverse=True)
+            yield MeetingPair(first.surface, second.surface, law)
+    for member in members:
+        if member.spec.carrier != "foundation":
+            law = laws.between(member.spec.name, "foundation")[0]
+            floor = FloorSurface(support.carrier(), support.number, scene.dimension)
+            yield MeetingPair(member.surface, floor, law)
 
 
-def _top(member: BlockBody) -> tuple[Face, int]:
-    """The top of a block as a carrier.
-
-    It carries a little beyond its edge: so a block of the same width, whose own edge is there, has
-    its corner carried by one of the two at any time (`_bottom` leaves less than that out).
-    """
-    return _face(member, FacetTag.TOP, 1.0, 1e-5), member.number
-
-
-def _bottom(member: BlockBody) -> Face:
-    """The bottom of a block as what an edge below it presses on, its own edges left out."""
-    return _face(member, FacetTag.BOTTOM, -1.0, -1e-6)
-
-
-def _crossings(bottom: Face, top: Face) -> Crossings:
-    """Edges of a block's bottom that may cross those of what carries it."""
-    upper, lower = (Outline(outline_points(face.points), face.degree) for face in (bottom, top))
-    return Crossings(upper, lower, top, bottom)
-
-
-def outline_points(points: FacePoints) -> FacePoints:
-    """Points of a level face that lie on its outline: of what cannot bend, its corners."""
-    if isinstance(points, RigidPoints):
-        return points
-    level = points.reference[:, :-1]
-    near = 1e-9 * np.ptp(level, axis=0)
-    low, high = level.min(axis=0) + near, level.max(axis=0) - near
-    extreme = (level < low) | (level > high)
-    if isinstance(points, FixedPoints):
-        return FixedPoints(points.reference[np.all(extreme, axis=1)])
-    outline = np.flatnonzero(np.any(extreme, axis=1))
-    return NodePoints(points.body, points.layer, points.reference, chosen=outline)
+def _fineness(member: BlockBody) -> float:
+    """Facets over the size of a block, 1/m: none of a rigid one."""
+    spec = member.spec
+    if spec.model == "rigid":
+        return 0.0
+    return max(spec.cells[0] / spec.width, spec.cells[-1] / spec.height)
 
 
 def initial_state(scene: Scene, assembly: Assembly) -> tuple[State, str]:
@@ -266,7 +235,7 @@ def initial_state(scene: Scene, assembly: Assembly) -> tuple[State, str]:
     for member in assembly.members:
         own = stepper.system.slices[member.number]
         u[own], v[own] = _placed(member)
-    closed = all(block.tilt == 0.0 for block in scene.blocks)
+    closed = all(block.tilt == 0.0 and block.position is None for block in scene.blocks)
     meshed = bool(stepper.system.meshed)
     if scene.time.initial == "static" and closed and meshed and scene.gravity > 0:
         for glued in (False, True):

@@ -41,17 +41,20 @@ EDGES = ((1, "low", 0, 1.0), (0, "high", 1, 1.0), (1, "high", 0, -1.0), (0, "low
 
 
 class Outline:
-    """The edges of a rectangular face, counterclockwise as seen from above.
+    """The edges of a rectangular face, counterclockwise as seen from above (along its frame).
 
     Attributes:
         points: The nodes on the outline.
         corners: Numbers of the nodes at which the edges begin, (4,).
     """
 
-    def __init__(self, points: FacePoints, degree: int):
-        """Take the nodes on the outline; between them it has a polynomial degree of 1 or 2."""
+    def __init__(self, points: FacePoints, degree: int, frame: Array):
+        """Take the nodes on the outline; between them it has a polynomial degree of 1 or 2.
+
+        The frame has the normal of who sees it from above and the tangents, in the undeformed body.
+        """
         self.points, self._degree = points, degree
-        level = points.reference[:, :-1]
+        level = points.reference @ frame[1:].T
         bound = {"low": level.min(axis=0), "high": level.max(axis=0)}
         near = 1e-9 * np.ptp(level, axis=0)
         pieces: list[Indices] = []

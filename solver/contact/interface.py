@@ -75,6 +75,7 @@ class Interface:
         bed: Bed | None = None,
         corner_area: float = 0.0,
         of_edge: bool = False,
+        shared: frozenset[int] = frozenset(),
     ):
         """Set up.
 
@@ -89,6 +90,8 @@ class Interface:
             corner_area: What points without an area count for in it, m2.
             of_edge: True if the points are the edge of what carries a block, which presses on the
                 bottom of that.
+            shared: Tags of faces whose tractions stand in the theta term of another interface: it
+                is there once, whatever faces look at.
         """
         self.points, self.carrier, self.law = points, carrier, law
         self._friction = FrictionLaw.of(law)
@@ -99,8 +102,11 @@ class Interface:
         self.inverse_gamma: Array = np.zeros(self.count)
         self.softness: Array = np.zeros(self.count)
         self.corners: CornerPoints | None = None
+        self._theta_weight: Array = self.weight
         if isinstance(points, NitschePoints):
             self.theta, self.weight = theta, points.points.weight
+            elsewhere = np.isin(points.points.tag, list(shared))
+            self._theta_weight = np.asarray(np.where(elsewhere, 0.0, self.weight), dtype=float)
             self.inverse_gamma = np.asarray(1.0 / points.points.gamma_h, dtype=np.float64)
             self.softness = np.asarray(self.inverse_gamma / self.weight, dtype=np.float64)
             self.area = self.weight * points.body.thickness
@@ -113,7 +119,7 @@ class Interface:
                 self.area = points.area
         self._gamma_column = self.inverse_gamma[:, None]
         scale = self.theta * self.inverse_gamma
-        self.pull_scale: Array = np.column_stack([scale * self.weight, scale])
+        self.pull_scale: Array = np.column_stack([scale * self._theta_weight, scale])
         self._pull_weight: Array = self.pull_scale[:, 0].copy()
         self.beds: PointBeds | None = None
         if bed is not None:
@@ -127,7 +133,7 @@ class Interface:
         The matrix `like`, of the body, gives sizes and distribution.
         """
         assert isinstance(self.points, NitschePoints)
-        return theta_matrix(self.points.points, self.theta, like)
+        return theta_matrix(self.points.points, self._pull_weight, like)
 
     def _named(self) -> list[Key]:
         """The key of every point; it stays the same whatever faces join."""
@@ -277,7 +283,7 @@ class Interface:
             return stored
         force, traction = memory.force, memory.surface.traction
         stored += meshed.stored_energy(
-            force, traction, self.softness, self.weight, self.inverse_gamma, self.theta
+            force, traction, self.softness, self._theta_weight, self.inverse_gamma, self.theta
         )
         if self.theta != 1:
             scaled = self._gamma_column * traction
@@ -407,7 +413,12 @@ def penetrating(interface: Interface, memory: Memory) -> Mask:
 
 
 def rotate_frame(
-    interface: Interface, memory: Memory, rotation: Array, carrier_rotation: Array | None
+    interface: Interface,
+    memory: Memory,
+    rotation: Array,
+    carrier_rotation: Array | None,
+    *,
+    elsewhere: bool = False,
 ) -> tuple[Memory, float]:
     """The memory in the frame of a coming step, with the points of corners chosen anew.
 
@@ -419,6 +430,7 @@ def rotate_frame(
         memory: Memory of t_n.
         rotation: Of the body of the points at t_n, (d, d).
         carrier_rotation: Of a carrier that turns, in the middle of the step; None for others.
+        elsewhere: True if the bodies meet with other faces: no point may touch here.
 
     Returns:
         The memory that the step starts from, and the interface energy lost by the exchange
@@ -435,6 +447,8 @@ def rotate_frame(
     ignored = _initial_penetration(interface, memory, beyond)
     if ignored is not None:
         may_touch &= ~ignored
+    if elsewhere:
+        may_touch = np.zeros_like(may_touch)
     if may_touch.tobytes() == memory.may_touch.tobytes():
         return memory, exchanged
     before = interface.energy(memory)

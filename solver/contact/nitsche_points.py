@@ -263,13 +263,14 @@ def contact_points(
     )
 
 
-def theta_matrix(points: ContactPoints, theta: int, like: PETSc.Mat) -> PETSc.Mat:
+def theta_matrix(points: ContactPoints, scale: Array, like: PETSc.Mat) -> PETSc.Mat:
     """(theta/gamma_h) G_T^T w G_T, with the rows G_T of the tractions of the undeformed body.
 
-    The matrix `like`, of the body, gives sizes and distribution.
+    The scale is theta w/gamma_h of each point, (points,), m2/Pa or m3/Pa. The matrix `like`, of the
+    body, gives sizes and distribution.
     """
     d = points.dimension
-    weight = np.repeat(theta * points.weight * (1.0 / points.gamma_h), d)
+    weight = np.repeat(scale, d)
     rows = points.traction_rows()
     local = sp.csr_matrix(rows.T @ sp.diags(weight) @ rows)
     unknowns = (points.layer.nodes[:, None] * d + np.arange(d)).ravel().astype(PETSc.IntType)

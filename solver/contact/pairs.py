@@ -1,25 +1,33 @@
-"""The active faces of a body in contact: those turned towards what carries the body.
+"""Pairs of bodies that may touch, and the interfaces between them that are active.
 
-Every boundary facet is a candidate. But the theta term of Nitsche's method and the tractions of a
-face cost time in every iteration, so a face joins when it has turned to within 60 degrees of facing
-its carrier, which a block that stands, slides or rocks never lets its sides do; one that tips over
-does, before it touches with them.
+A block and what carries it at the start are a pair throughout. Any other two bodies are one while
+they are near: then two of their faces look at each other, those along whose normals they are apart,
+or overlap least (the separating axis theorem).
 """
 
 from __future__ import annotations
 
-from typing import Protocol
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from dolfinx import mesh
 
 from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
-from solver.contact.body_points import NitschePoints
-from solver.contact.carriers import Carrier
+from solver.bodies.kinematics import RigidMotion
+from solver.contact.carriers import Carrier, Face
+from solver.contact.edge_crossings import CrossingInterface, Crossings
 from solver.contact.facets import evaluate_facets, extent, gather
+from solver.contact.hull import (
+    Floor,
+    PlacedHull,
+    gaps,
+    opposite_face,
+    separating_face,
+)
 from solver.contact.interface import Interface
-from solver.contact.nitsche_points import contact_points
+from solver.contact.surfaces import BlockSurface, nitsche_points, outline_of, outline_points
 from solver.scene import Bed, FrictionSpec
 from solver.types import Array
 
@@ -27,30 +35,69 @@ FACING = -0.5
 """Cosine of the angle between a face's normal and the carrier's below which the face joins."""
 
 
+@dataclass(frozen=True, slots=True)
+class Link:
+    """An interface between two bodies of a system."""
+
+    interface: Interface
+    """Kinematics and law."""
+    body: int | None
+    """Number of the body whose points these are; None for what is fixed to the ground."""
+    carrier: int | None
+    """Number of the body that carries them; None likewise."""
+    is_meeting: bool = False
+    """True if neither carries the other at the start."""
+
+
+class Bodies(Protocol):
+    """The bodies of a system at the start of a step."""
+
+    step: float
+    """Length of the step, s."""
+
+    def unknowns(self, body: int | None) -> Array | None:
+        """Owned unknowns of a body; None for the ground."""
+
+    def ahead(self, body: int | None) -> Array | None:
+        """Those expected at the end of the step."""
+
+    def rotation(self, body: int | None) -> Array:
+        """Rotation of a body, (d, d)."""
+
+    def motion(self, body: int) -> RigidMotion:
+        """Motion of a body as a whole."""
+
+
 class ContactPair(Protocol):
-    """A pair of a body and its carrier that may touch, and their interface.
+    """Two bodies that may touch, and the interfaces between them.
+
+    What is active of them is a value that pairs of one kind understand: tags of faces, or a
+    `Meeting`.
 
     Attributes:
         body: Number of the body whose points these are; None for what is fixed to the ground.
-        carrier: Number of the body that carries them; None for the ground and what is fixed to it.
-        surface: The carrier's surface.
-        always: Tags of the faces that are active from the beginning.
     """
 
     body: int | None
-    carrier: int | None
-    surface: Carrier
-    always: frozenset[int]
 
-    def facing(self, rotation: Array) -> frozenset[int]:
-        """Tags of the faces active under a rotation: turned to the carrier, or always active."""
+    def active(self, bodies: Bodies, before: Any) -> Any:
+        """What is active in a step, by what was before it; None before the first."""
 
-    def join(self, faces: frozenset[int]) -> Interface:
-        """The interface of these faces, made anew; collective."""
+    def faces(self, active: Any) -> frozenset[int]:
+        """Tags of the faces of the body whose points with tractions are active."""
+
+    def links(self, active: Any, shared: frozenset[int]) -> tuple[Link, ...]:
+        """The interfaces, made anew; collective. The theta terms of `shared` faces are others'."""
 
 
 class MeshedContactPair:
-    """The faces of a meshed body, and what carries it."""
+    """The faces of a meshed body, and what carries it.
+
+    Every boundary facet is a candidate. But the theta term of Nitsche's method and the tractions of
+    a face cost time in every iteration, so a face joins when it has turned to within 60 degrees of
+    facing its carrier, which a block that stands, slides or rocks never lets its sides do; one that
+    tips over does, before it touches with them. Faces that have joined stay.
+    """
 
     def __init__(
         self,
@@ -67,7 +114,7 @@ class MeshedContactPair:
         cuts: Array | None = None,
         bed: Bed | None = None,
     ):
-        """Take what `contact_points` and `Interface` need; `join` builds the interface.
+        """Take what `contact_points` and `Interface` need.
 
         Args:
             member: The body.
@@ -83,7 +130,7 @@ class MeshedContactPair:
             bed: Springs and dashpots between points and carrier.
         """
         self.body: int | None = body
-        self.carrier, self.surface = on, carrier
+        self._on, self._carrier = on, carrier
         self._member, self._tags, self._law = member, facet_tags, law
         self._points, self._gamma, self._theta, self._cuts = points, gamma, theta, cuts
         self._bed = bed
@@ -93,49 +140,282 @@ class MeshedContactPair:
         self._face, self._outward = facets.tag, np.ascontiguousarray(facets.normal)
         self._found: dict[bytes, frozenset[int]] = {}  # faces, by the facets that are turned there
         # The bottom is always active: the gaps in the history are those of its corners.
-        self.always: frozenset[int] = frozenset({int(FacetTag.BOTTOM)})
+        self._always: frozenset[int] = frozenset({int(FacetTag.BOTTOM)})
 
-    def facing(self, rotation: Array) -> frozenset[int]:
-        """Tags of faces with a facet turned towards the carrier, and of the bottom."""
-        towards = self._outward @ (self.surface.frame[0] @ rotation) < FACING
+    def active(self, bodies: Bodies, before: frozenset[int] | None) -> frozenset[int]:
+        """Tags of the bottom, of faces that were active, and of those turned to the carrier."""
+        frame = self._carrier.frame
+        if before is None and isinstance(self._carrier, Face):
+            frame = self._carrier.reference_frame @ bodies.rotation(self._on).T
+        towards = self._outward @ (frame[0] @ bodies.rotation(self.body)) < FACING
         key = towards.tobytes()
         if key not in self._found:
-            self._found[key] = self.always.union(map(int, self._face[towards]))
-        return self._found[key]
+            self._found[key] = self._always.union(map(int, self._face[towards]))
+        found = self._found[key]
+        return found if before is None else before | found
 
-    def join(self, faces: frozenset[int]) -> Interface:
-        """The interface of these faces, made anew; collective."""
-        chosen = np.isin(self._tags.values, list(faces))
-        space = self._member.space
-        tags = mesh.meshtags(
-            space.mesh, self._tags.dim, self._tags.indices[chosen], self._tags.values[chosen]
-        )
-        points = contact_points(
-            space,
-            tags,
-            self._member.material,
+    def faces(self, active: frozenset[int]) -> frozenset[int]:
+        """Tags of the active faces."""
+        return active
+
+    def links(self, active: frozenset[int], shared: frozenset[int]) -> tuple[Link, ...]:
+        """The interface of the active faces, made anew; collective."""
+        points = nitsche_points(
+            self._member,
+            self._tags,
+            active,
             points=self._points,
             gamma=self._gamma,
             cuts=self._cuts,
         )
-        member = NitschePoints(self._member, points)
-        return Interface(member, self.surface, self._law, theta=self._theta, bed=self._bed)
+        interface = Interface(
+            points, self._carrier, self._law, theta=self._theta, bed=self._bed, shared=shared
+        )
+        return (Link(interface, self.body, self._on),)
 
 
 class FixedContactPair:
     """Points that are active from the beginning to the end: of rigid bodies, of edges."""
 
-    always: frozenset[int] = frozenset()
-
     def __init__(self, interface: Interface, *, body: int | None, on: int | None):
         """Take the interface, and the numbers of the body of its points and of what they touch."""
-        self.body, self.carrier, self.surface = body, on, interface.carrier
-        self._interface = interface
+        self.body = body
+        self._links = (Link(interface, body, on),)
 
-    def facing(self, rotation: Array) -> frozenset[int]:
-        """Tags of active faces: no face ever joins."""
-        return self.always
+    def active(self, bodies: Bodies, before: frozenset[int] | None) -> frozenset[int]:
+        """No face ever joins."""
+        return frozenset()
 
-    def join(self, faces: frozenset[int]) -> Interface:
+    def faces(self, active: frozenset[int]) -> frozenset[int]:
+        """No faces: these points have no tractions."""
+        return active
+
+    def links(self, active: frozenset[int], shared: frozenset[int]) -> tuple[Link, ...]:
         """The interface that was given."""
-        return self._interface
+        return self._links
+
+
+class Meeting(NamedTuple):
+    """Two faces that look at each other.
+
+    Attributes:
+        first: Tag of that of the first body.
+        second: Number of that of the second body: its tag, or 0 of a floor.
+        faces: Tags of the faces of the first body that are turned towards the second's.
+    """
+
+    first: int
+    second: int
+    faces: frozenset[int]
+
+
+FLOOR = 0
+"""Number of the only face of what is no block."""
+
+NEAR = 0.01
+"""Part of the smaller body's size below which two bodies are near: their faces are active. They
+stay so up to twice as far."""
+
+HELD = 1e-6
+"""Part of that size by which bodies may overlap more along the normal of the active face than along
+another one before that takes over."""
+
+MUTUAL = -0.9
+"""Cosine between two faces that look at each other, below which no other face comes in before the
+bodies have turned a good deal."""
+
+TURN = 0.1
+"""Angle by which they may turn before that, rad."""
+
+BESIDE_CARRIED, BESIDE_BELOW = 1e-5, -1e-6
+"""Part of a facet: up to this far beyond its edge a face carries the points of the first body, and
+from this far within its edge the points of the second. One of two corners that are at one place is
+carried at any time."""
+
+
+class MeetingPair:
+    """Two bodies of which neither carries the other, or which meet beside where one does.
+
+    The points of the first are pressed on a face of the second, the outline of that on a face of
+    the first; in space, edges cross.
+    """
+
+    def __init__(
+        self,
+        first: BlockSurface,
+        second: BlockSurface | FloorSurface,
+        law: FrictionSpec,
+        *,
+        homes: tuple[int, ...] = (),
+        home_face: int | None = None,
+    ):
+        """Take the bodies, and their friction.
+
+        Args:
+            first: Whose points are pressed on the other: the one with more of them.
+            second: The other one.
+            law: Friction.
+            homes: Numbers of the contacts in which the second carries the first.
+            home_face: The face of the second that carries the first there: it is left to them.
+        """
+        self.body: int | None = first.number
+        self.on = second.number
+        self.homes, self._home_face = homes, home_face
+        self._first, self._second, self._law = first, second, law
+        self._known: tuple[Meeting | None, list[RigidMotion], float] | None = None
+
+    # ------------------------------------------------------------- which faces
+
+    def active(self, bodies: Bodies, before: Meeting | None) -> Meeting | None:
+        """The faces that look at each other in a step; None where the bodies are not near."""
+        if self._stays(bodies, before):
+            return before
+        (now, first, second), (ahead, _, _) = self._placed(bodies)
+        size = min(self._first.hull.size, getattr(self._second.hull, "size", np.inf))
+        near = NEAR * size * (1.0 if before is None else 2.0)
+        apart = float(min(now.max(), ahead.max()))
+        if apart > near:
+            return self._keep(None, bodies, apart - near)
+        count = len(first.levels)
+        best, keeps = separating_face(now, ahead), self._numbers(before, count)
+        if keeps and max(now[k] for k in keeps) > now[best] - HELD * size:
+            best = max(keeps, key=lambda k: float(now[k]))
+        if best < count:
+            one, other = best, opposite_face(second, first.normals[best])
+        else:
+            one, other = opposite_face(first, second.normals[best - count]), best - count
+        tag, number = self._first.tags[one], self._second.tags[other]
+        slack = self._slack(now, one, count + other)
+        if before is not None:
+            slack = min(slack, near - float(max(now.max(), ahead.max())))
+        if float(first.normals[one] @ second.normals[other]) > MUTUAL:
+            slack = 0.0
+        if number == self._home_face:
+            return self._keep(None, bodies, slack)
+        turned = first.normals @ second.normals[other] < FACING
+        faces = frozenset(
+            t for t, is_turned in zip(self._first.tags, turned, strict=True) if is_turned
+        )
+        faces |= {tag}
+        if before is not None and before.second == number:
+            faces |= before.faces
+        return self._keep(Meeting(tag, number, faces), bodies, slack)
+
+    def _numbers(self, meeting: Meeting | None, count: int) -> list[int]:
+        """The faces of a meeting by their numbers among the gaps; `count`: those of the first."""
+        if meeting is None:
+            return []
+        other = count + self._second.tags.index(meeting.second)
+        return [self._first.tags.index(meeting.first), other]
+
+    @staticmethod
+    def _slack(now: Array, one: int, other: int) -> float:
+        """How far other faces are from taking the place of two that look at each other, m."""
+        best, rest = max(now[one], now[other]), np.delete(now, [one, other])
+        most = float(rest.max(initial=-np.inf))
+        return min(float(best) - most, -most) if np.isfinite(most) else np.inf
+
+    def _placed(
+        self, bodies: Bodies
+    ) -> tuple[tuple[Array, PlacedHull, PlacedHull], tuple[Array, PlacedHull, PlacedHull]]:
+        """Gaps and hulls, now and after the step."""
+        found = []
+        for unknowns in (bodies.unknowns, bodies.ahead):
+            one = self._first.hull.placed(unknowns(self.body))
+            other = self._second.hull.placed(unknowns(self.on))
+            found.append((gaps(one, other), one, other))
+        return found[0], found[1]
+
+    def _keep(self, meeting: Meeting | None, bodies: Bodies, slack: float) -> Meeting | None:
+        """A meeting that stays for as long as bodies move by less than half a slack, m."""
+        self._known = meeting, self._motions(bodies), 0.5 * slack
+        return meeting
+
+    def _motions(self, bodies: Bodies) -> list[RigidMotion]:
+        """Motions of both bodies as a whole; a floor counts as still."""
+        own = [bodies.motion(self._first.number)]
+        if isinstance(self._second, BlockSurface):
+            own.append(bodies.motion(self._second.number))
+        return own
+
+    def _stays(self, bodies: Bodies, before: Meeting | None) -> bool:
+        """True if bodies have moved so little since faces were looked at that the same are."""
+        if self._known is None or self._known[0] != before:
+            return False
+        _, then, slack = self._known
+        moved = turned = 0.0
+        reach = self._reach(bodies)
+        for now, was in zip(self._motions(bodies), then, strict=True):
+            spin = float(np.abs(now.spin).sum())
+            moved += float(np.abs(now.moved - was.moved).sum())
+            moved += bodies.step * (float(np.abs(now.velocity).sum()) + reach * spin)
+            turned += float(np.abs(now.rotation - was.rotation).sum()) + bodies.step * spin
+        return moved + reach * turned < slack and turned < TURN
+
+    def _reach(self, bodies: Bodies) -> float:
+        """Farthest distance of a point of either body from the middle of the other, at most, m."""
+        d, own = self._first.dimension, self._motions(bodies)
+        radius = d**0.5 * self._first.hull.size
+        if isinstance(self._second, BlockSurface):
+            radius += d**0.5 * self._second.hull.size
+            middles = (self._first.body.centre, self._second.body.centre)
+            apart = middles[0] + own[0].moved - middles[1] - own[1].moved
+            radius += float(np.abs(apart).sum())
+        return radius
+
+    # ------------------------------------------------------------- interfaces
+
+    def faces(self, active: Meeting | None) -> frozenset[int]:
+        """Tags of the active faces of the first body, if they have tractions."""
+        if active is None or not isinstance(self._first.body, ElasticBody):
+            return frozenset()
+        return active.faces
+
+    def links(self, active: Meeting | None, shared: frozenset[int]) -> tuple[Link, ...]:
+        """The interfaces between the faces, made anew; collective."""
+        if active is None:
+            return ()
+        lower = self._second.face(active.second, BESIDE_CARRIED)
+        own = self._first.over(lower, self._law, active.faces, shared=shared)
+        links = [Link(own, self.body, self.on, is_meeting=True)]
+        if isinstance(lower, Face):
+            upper = self._first.face(active.first, BESIDE_BELOW)
+            beside = edge_interfaces(upper, lower, self._first.thickness, self._law)
+            links.append(Link(beside[0], self.on, self.body, is_meeting=True))
+            links += [Link(each, self.body, self.on, is_meeting=True) for each in beside[1:]]
+        return tuple(links)
+
+
+def edge_interfaces(
+    upper: Face, lower: Face, thickness: float, law: FrictionSpec, bed: Bed | None = None
+) -> list[Interface]:
+    """The interface of a face's outline with the face on it; in space, that of both outlines, too.
+
+    In the plane the thickness is that of the upper body, m.
+    """
+    d = len(lower.frame)
+    area = (upper.facet / 2) ** (d - 1) * (thickness if d == 2 else 1.0)
+    outline = outline_points(lower.points, lower.reference_frame)
+    found = [Interface(outline, upper, law, bed=bed, corner_area=area, of_edge=True)]
+    if d == 3:
+        up = lower.reference_frame[0]
+        over, under = outline_of(upper, -upper.reference_frame[0]), outline_of(lower, up)
+        crossings = Crossings(over, under, lower, upper)
+        found.append(CrossingInterface(crossings, law, bed=bed, corner_area=area))
+    return found
+
+
+class FloorSurface:
+    """What carries blocks and is none: one face that they can touch."""
+
+    tags = (FLOOR,)
+
+    def __init__(self, carrier: Carrier, number: int | None, dimension: int):
+        """Take its surface and its number in the system; None where it does not move."""
+        self.number, self._carrier = number, carrier
+        points = carrier.points if isinstance(carrier, Face) else None
+        self.hull = Floor(points, dimension)
+
+    def face(self, tag: int, margin: float) -> Carrier:
+        """Its face."""
+        return self._carrier

@@ -15,6 +15,7 @@ from solver.bodies.rigid_body import DenseBody, RigidBox
 from solver.build.assembly import Assembly
 from solver.contact.body_points import NitschePoints
 from solver.contact.memory import Memory
+from solver.contact.pairs import Link
 from solver.fields.files import BodyWriter, FieldFiles, open_files
 from solver.fields.functions import BodyFunctions, part_of
 from solver.fields.ground import platform_corners
@@ -24,7 +25,6 @@ from solver.fields.part import one_cell, rigid_fields
 from solver.fields.vtu import FieldsBefore
 from solver.scene import Scene
 from solver.stepping.state import State
-from solver.stepping.system import Link
 from solver.types import Array
 
 

@@ -86,16 +86,28 @@ def force_on_first(known: Mapping[str, Array]) -> Array:
     axes = "xyz" if "normal_z" in known else "xy"
     normal = np.stack([known[f"normal_{axis}"] for axis in axes], axis=1)
     force = known["normal_N"][:, None] * normal
-    if len(axes) == 2:
-        tangent = np.stack([normal[:, 1], -normal[:, 0]], axis=1)
-        return np.asarray(force + known["friction_N"][:, None] * tangent)
+    for name, along in zip(FRICTION, pair_tangents(normal).swapaxes(0, 1), strict=False):
+        force += known[name][:, None] * along
+    return np.asarray(force)
+
+
+FRICTION = ("friction_N", "friction_second_N")
+"""Columns of friction along the tangents of a pair."""
+
+
+def pair_tangents(normal: Array) -> Array:
+    """The tangents of pairs with mean unit normals (rows, d), (rows, d - 1, d).
+
+    In the plane the normal turned clockwise.
+    """
+    if normal.shape[1] == 2:
+        return np.stack([normal[:, 1], -normal[:, 0]], axis=1)[:, None]
     x, y, z, none = *normal.T, np.zeros(len(normal))
     along = np.stack([z, none, -x], axis=1)
     steep = np.stack([y, -x, none], axis=1)
     first = np.where((np.abs(y) < 0.9)[:, None], along, steep)
     first /= np.maximum(np.linalg.norm(first, axis=1), 1e-300)[:, None]
-    force += known["friction_N"][:, None] * first
-    return np.asarray(force + known["friction_second_N"][:, None] * np.cross(normal, first))
+    return np.stack([first, np.cross(normal, first)], axis=1)
 
 
 def kept_pairs(pairs: Array, kept: Array) -> Array:

@@ -38,7 +38,8 @@ def meetings(
     scene: Scene, history: History, events: Sequence[Event], contacts: Contacts | None
 ) -> dict[str, Any]:
     """Entries of a summary: deepest penetration, collisions, chain of collapse, accuracy."""
-    deepest = contacts.deepest if contacts is not None else _deepest(scene, history)
+    told = (contacts and contacts.deepest, _deepest(scene, history))
+    deepest = max((each for each in told if each), default=None)
     depth, at, *names = deepest or (None, None)
     met = [e for e in events if e.kind in STRIKING and e.meets != GROUND]
     blocks = {block.name: block for block in scene.blocks}

@@ -15,6 +15,7 @@ from solver.contact.body_points import Key, NitschePoints
 from solver.contact.carriers import Face
 from solver.contact.kinematics import in_space
 from solver.contact.memory import Memory
+from solver.contact.pairs import Link
 from solver.history.block_columns import (
     has_lost_carrier,
     lean_in_space,
@@ -25,8 +26,10 @@ from solver.history.columns import positions
 from solver.kernels import meshed
 from solver.stepping.state import State
 from solver.stepping.stepper import Stepper
-from solver.stepping.system import Link
 from solver.types import Array, Indices, Mask
+
+STEEPEST = 0.5
+"""Upward component of the normal of what bears a block."""
 
 LEVEL = 1e-9
 """Points are equally low within this part of a block's size: which of them counts is not chance."""
@@ -50,7 +53,9 @@ class BlockObserver:
     ):
         """Start at a state; `carrier` is the block below, None where the foundation carries it."""
         self._member, self._stepper, self._carrier = member, stepper, carrier
-        self._links: Sequence[Link] = stepper.links
+        self._links: Sequence[Link] = ()
+        self._beside: list[int] = []
+        self._take(stepper.links)
         self._own = stepper.system.slices[member.number]
         d = stepper.system.dimension
         self._angles, self._slip = np.zeros(1 if d == 2 else 4), np.zeros(d - 1)
@@ -69,6 +74,18 @@ class BlockObserver:
         """The interface of the block's own points; another one after a face has joined."""
         return self._links[self._member.contacts[0]]
 
+    def _take(self, links: Sequence[Link]) -> None:
+        """Take the interfaces that are active now."""
+        if links is self._links:
+            return
+        self._links = links
+        own, homes = self._member.number, self._member.contacts
+        self._beside = [
+            number
+            for number, link in enumerate(links)
+            if own in (link.body, link.carrier) and link.is_meeting and number not in homes
+        ]
+
     def saved(self) -> tuple[Any, ...]:
         """Values carried on from step to step, for `resume`."""
         return self._angles.copy(), self._slip.copy(), self._known
@@ -76,7 +93,7 @@ class BlockObserver:
     def resume(self, saved: tuple[Any, ...]) -> None:
         """Go on from the steps that another observer of the block has seen."""
         self._angles, self._slip, self._known = saved
-        self._links = self._stepper.links
+        self._take(self._stepper.links)
         self._set_interface()
         self._order_reference()
 
@@ -130,8 +147,9 @@ class BlockObserver:
 
         These stand as they did in the step that led there.
         """
-        self._links = links
+        self._take(links)
         own, *edges = self._member.contacts
+        edges += self._beside
         edges = [number for number in edges if not state.contacts[number].clear]
         memory = state.contacts[own]
         if self._link.interface is not self._interface:
@@ -149,7 +167,7 @@ class BlockObserver:
         row[self._gaps] = height
         row[self._at.penetration_m] = max(self._penetration(state, n) for n in (own, *edges))
         if edges or lost:
-            row[self._forces] = self._force(state, lost)
+            row[self._forces] = self._force(state, edges, lost)
 
     def _write_own(self, state: State, memory: Memory, row: Array) -> bool:
         """Motion, slip and forces, by the block's own points; False where a reference is unknown.
@@ -205,12 +223,13 @@ class BlockObserver:
         inside = self._links[number].interface.inside(memory)
         return meshed.penetration(memory.kinematics.place, inside)
 
-    def _force(self, state: State, lost: bool) -> Array:
+    def _force(self, state: State, others: Sequence[int], lost: bool) -> Array:
         """Normal and tangential force on the block, in the frame of what carries it, N.
 
-        Where it has lost its carrier the foundation is level.
+        By its own interface and those others that bear it. Where it has lost its carrier the
+        foundation is level.
         """
-        own, *edges = self._member.contacts
+        own = self._member.contacts[0]
         force = np.asarray(state.contacts[own].force.sum(axis=0), dtype=np.float64)
         carrier = self._links[own].interface.carrier
         frame = carrier.frame
@@ -218,12 +237,23 @@ class BlockObserver:
             assert isinstance(carrier, Face)
             frame = carrier.reference_frame
             force = frame @ (force @ carrier.frame)
-        for number in edges:
+        for number in others:
             link = self._links[number]
-            pushed = in_space(state.contacts[number].force, link.interface.carrier.frame)
             sign = 1.0 if link.body == self._member.number else -1.0
+            if number in self._beside and not self._bears(link, state.contacts[number], sign):
+                continue
+            pushed = in_space(state.contacts[number].force, state.contacts[number].kinematics.frame)
             force = force + sign * pushed.sum(axis=0) @ frame.T
         return force
+
+    def _bears(self, link: Link, memory: Memory, sign: float) -> bool:
+        """True if the block stands on the other body: by name, or by a normal that points up."""
+        other = link.carrier if sign > 0 else link.body
+        if other in self._member.carriers:
+            return True
+        frame = memory.kinematics.frame
+        up = frame[:, 0, -1].max() if frame.ndim == 3 else frame[0, -1]
+        return bool(sign * up > STEEPEST)
 
     def _first_reference(self, state: State) -> dict[Key, Array]:
         """Reference positions along the carrier of the points of the face that stands on it, m.

@@ -14,12 +14,16 @@ from solver.build.assembly import Assembly, build, initial_state
 from solver.errors import SceneError
 from solver.excitation.motion import GroundMotion
 from solver.fields.vtu import FieldsBefore
+from solver.history.events import Meeting
 from solver.history.history import scene_columns
+from solver.history.pairs import PairTable
 from solver.parallel import any_rank
+from solver.results.meetings import Contacts
 from solver.run.context import RunContext
 from solver.run.describe import damping_of_block
 from solver.run.files import Fields
 from solver.run.observer import Observer
+from solver.run.pair_observer import PairObserver
 from solver.scene import Scene
 from solver.scheme.step_control import Ladder, Tolerance
 from solver.stepping.interfaces import InterfaceState
@@ -58,6 +62,12 @@ class MeshedRun:
         self.state, remark = initial_state(scene, self.assembly)
         self.remarks: Sequence[str] = [remark] if remark else []
         self._observer = Observer(self.assembly, self.state, scene_columns(scene))
+        self._pairs: PairObserver | None = None
+        if len(scene.blocks) > 1 or scene.output.pairs or scene.blocks[0].position is not None:
+            self._pairs = PairObserver(scene, self.assembly)
+            self._stepper.tells_pushes = True
+        self._table: PairTable | None = None
+        self._pair_rows: Array | None = None
         self._steps = self._iterations = 0
         self._damped = self._coarse = 0
         span = scene.time
@@ -102,6 +112,8 @@ class MeshedRun:
             "ladder": self._ladder,
             "judge": None if self._judge is None else self._judge.saved(),
             "observer": self._observer.saved(),
+            "pairs": None if self._pairs is None else self._pairs.saved(),
+            "pair_rows": self._pair_rows,
             "counts": (self._steps, self._iterations, self._damped, self._coarse),
             "row": self._row,
             "places": self._places,
@@ -128,12 +140,20 @@ class MeshedRun:
         if self._judge is not None:
             self._judge.resume(saved["judge"])
         self._observer.resume(saved["observer"])
+        if self._pairs is not None:
+            self._pairs.resume(saved["pairs"])
+        self._pair_rows = saved["pair_rows"]
         self._steps, self._iterations, self._damped, self._coarse = saved["counts"]
         self._row = saved["row"]
 
     def loop(self, context: RunContext) -> tuple[str, str]:
         """Step to the end; returns status and reason."""
+        if self._scene.output.pairs:
+            assert self._pairs is not None
+            self._table = context.files.open_pairs(self._pairs.names)
         status, reason = self._advance_to_end(context)
+        if self._pairs is not None:
+            context.recorder.add(np.empty((0, len(self._observer.names))), self._pairs.rest())
         self._last_row(context)
         context.files.snapshot(self.state.time)
         return status, reason
@@ -200,12 +220,17 @@ class MeshedRun:
     ) -> str:
         """Go on from where a step of length dt (s) led; returns why the run ends there, or ""."""
         self._damped += self.state.is_damped(dt)
+        met: Sequence[Meeting] = ()
+        if self._pairs is not None:
+            met = self._pairs.step(self.state, new, exchange)
+            if self._table is not None:
+                self._pair_rows = self._pairs.rows(new, exchange, dt)
         self.state = new
         self._steps += 1
         self._iterations += exchange.iterations
         self._coarse += is_coarse
         self._row = self._observer.row(new, exchange, dt)
-        context.recorder.add(self._row[None])
+        context.recorder.add(self._row[None], met)
         found = context.watch.look(self._row[None])
         if self._steps % self._scene.output.history_every == 0:
             self._last_row(context)
@@ -215,10 +240,13 @@ class MeshedRun:
         """Append the row of the last step, once."""
         if self._row is not None:
             context.history.append(self._row)
+            if self._table is not None and self._pair_rows is not None:
+                self._table.add(self._row[:1], self._pair_rows)
             self._row = None
 
-    def contacts(self) -> None:
-        """No account of contacts besides the columns of the history."""
+    def contacts(self) -> Contacts | None:
+        """The deepest overlap of bodies that neither carries the other."""
+        return None if self._pairs is None else self._pairs.contacts
 
     def cost(self) -> dict[str, Any]:
         """Counts of steps, iterations, factorizations and unknowns of the run."""

@@ -65,6 +65,7 @@ class Observer:
             structure=None if self._structure is None else self._structure.parts,
         )
         self._layout = row_layout(len(members), dimension=d, platform=moves)
+        self.names = tuple(names)
         self._written = np.array([self._columns.index(name) for name in names])
         self._row = np.full(len(self._columns), np.nan)  # filled anew at every step
         self._run = positions("run", d)

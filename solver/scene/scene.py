@@ -194,22 +194,9 @@ class Scene(Checked):
             raise not_applicable("time.adaptive", "scenes with meshed bodies only")
 
     def _refuse_unmeshed(self) -> None:
-        """Refuse keys for which a block has to meet more than its carrier, or to rebound."""
+        """Refuse keys for which a block has to rebound: a meshed one does by itself."""
         for where, _ in self._restitutions():
             raise not_applicable(f"{where}.restitution", UNMESHED)
-        if self.output.pairs:
-            raise not_applicable("output.pairs", UNMESHED)
-        for block in self.blocks:
-            if block.position is not None:
-                raise not_applicable(f"{block.name}.position", UNMESHED)
-            if len(block.carriers) > 1:
-                allowed = f"one name where a body is meshed (several: {RIGID})"
-                raise SceneError(f"{block.name}.on", shown(block.on), allowed)
-        felt = {frozenset((block.name, block.carrier)) for block in self.blocks}
-        for pair in self.pairs:
-            if frozenset(pair.between) not in felt:
-                allowed = f"a block and its carrier where a body is meshed (others: {RIGID})"
-                raise SceneError(f"{pair.where}.between", shown(pair.between), allowed)
 
     def _check_degree(self, block: BlockSpec) -> None:
         """Refuse quadratic tetrahedra with nodes: no rule has positive weights at the vertices."""

@@ -15,6 +15,7 @@ from solver.bodies.rigid_body import DenseBody
 from solver.contact.body_points import SurfaceState
 from solver.contact.kinematics import ContactIncrement, ContactKinematics, ForceWeights, Observed
 from solver.contact.memory import NOTHING_LOST, Dissipation, Memory
+from solver.contact.pairs import Link
 from solver.law.friction import Bounds
 from solver.parallel import global_sums
 from solver.scheme.generalized_alpha import GeneralizedAlpha, TangentWeights
@@ -24,7 +25,7 @@ from solver.stepping.ledger import StepEnds, energies
 from solver.stepping.nonlinear import NewtonOutcome
 from solver.stepping.point_table import joined
 from solver.stepping.state import RotationPrediction, State
-from solver.stepping.system import Body, Link, System
+from solver.stepping.system import Body, System
 from solver.types import Array
 
 RESIDUAL_TOLERANCE = 1e-8

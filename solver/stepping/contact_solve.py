@@ -21,6 +21,7 @@ from solver.bodies.factorization import Inverse
 from solver.bodies.memory import kept_limit
 from solver.bodies.rigid_body import DenseBody
 from solver.contact.kinematics import ContactKinematics, ForceWeights, Observed
+from solver.contact.pairs import Link
 from solver.law.local_problem import LocalProblem, NoContactSolution
 from solver.parallel import any_rank, global_sums
 from solver.scheme.generalized_alpha import TangentWeights
@@ -43,7 +44,7 @@ from solver.stepping.nonlinear import NonlinearSolver
 from solver.stepping.point_table import PointTable, copied, joined
 from solver.stepping.response import CandidateSet, Kinematics, repeat_compliances, saved_compliances
 from solver.stepping.step_contact import ContactModel, OthersNear, StepContact
-from solver.stepping.system import Body, Link, System, response_of
+from solver.stepping.system import Body, System, response_of
 from solver.types import Array, Indices, Mask
 
 PLACED_CORRECTIONS = 2

@@ -19,10 +19,11 @@ import numpy as np
 
 from solver.bodies.rigid_body import DenseBody
 from solver.contact.bed import Yielding
+from solver.contact.pairs import Link
 from solver.kernels import meshed
 from solver.stepping.point_table import PointTable
 from solver.stepping.response import AnyResponse, CandidateSet
-from solver.stepping.system import Link, System
+from solver.stepping.system import System
 from solver.types import Array
 
 RIGID_SOFTENING = 1e-9

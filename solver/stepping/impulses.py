@@ -12,6 +12,7 @@ from solver.bodies.factorization import Inverse, MassInverse
 from solver.bodies.reduced_body import ReducedBody
 from solver.bodies.rigid_body import DenseBody
 from solver.contact.kinematics import in_frames
+from solver.contact.pairs import Link
 from solver.kernels import meshed
 from solver.law.friction import Bounds
 from solver.law.local_problem import LocalProblem, image
@@ -19,7 +20,7 @@ from solver.law.velocity import impulse_correction
 from solver.stepping.balance import Contact
 from solver.stepping.point_table import PointTable, joined
 from solver.stepping.response import CandidateSet, repeat_compliances, saved_compliances
-from solver.stepping.system import Link, System, response_of
+from solver.stepping.system import System, response_of
 from solver.types import Array, Indices
 
 
@@ -31,15 +32,17 @@ class VelocityCorrection(NamedTuple):
         contact: Energy it takes in the normal directions, J.
         friction: Energy it takes in the tangential directions, J.
         reversal: Speed at which what slipped in the step slips back at its end, m/s.
+        impulse: Of all points, (points, d), N s; None: there is none.
     """
 
     change: Array
     contact: float
     friction: float
     reversal: float
+    impulse: Array | None
 
 
-UNCHANGED = VelocityCorrection(np.zeros(1), 0.0, 0.0, 0.0)
+UNCHANGED = VelocityCorrection(np.zeros(1), 0.0, 0.0, 0.0, None)
 """The correction where no point is closed, or none was found; on all ranks alike."""
 
 
@@ -153,9 +156,10 @@ class VelocityImpulses:
             return None
         after = velocity + image(operator.W, found.q)
         reversal = largest_reversal(pressed, self._first, force, after)
-        return VelocityCorrection(
-            self._change(operator, found.q), found.contact, found.friction, reversal
-        )
+        impulse = np.zeros((self._points.count, self.system.dimension))
+        impulse[pressed] = found.q
+        change = self._change(operator, found.q)
+        return VelocityCorrection(change, found.contact, found.friction, reversal, impulse)
 
     def _held_by_beds(self, closed: Indices, velocity: Array, W: Array) -> tuple[Array, Array]:
         """Velocities and W of closed points for which normal impulses on beds stay as they are.

@@ -5,30 +5,33 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
+import numpy as np
+
+from solver.bodies.kinematics import RigidMotion
 from solver.contact.carriers import Face
 from solver.contact.edge_crossings import CrossingInterface, Crossings
 from solver.contact.interface import carry_over, rotate_frame
 from solver.contact.memory import Memory
-from solver.contact.pairs import ContactPair
+from solver.contact.pairs import ContactPair, Link, MeetingPair
 from solver.stepping.state import State
-from solver.stepping.system import Link, System
+from solver.stepping.system import System
 from solver.types import Array
 
-Faces = tuple[frozenset[int], ...]
-"""Tags of the faces that have joined, for each contact of a scene."""
+Active = tuple[Any, ...]
+"""What is active of each pair of a scene."""
 
 
 class StepStart(NamedTuple):
     """Contact as a step sees it at its start.
 
     Attributes:
-        faces: Tags of the faces that have joined by now.
+        active: What is active of each pair.
         contacts: Memory of each interface, in the frame of the step.
         exchanged: Interface energy lost by choosing other contact points, J; it is added to what
             contact dissipates.
     """
 
-    faces: Faces
+    active: Active
     contacts: Sequence[Memory]
     exchanged: float
 
@@ -37,23 +40,23 @@ class InterfaceState(NamedTuple):
     """Frames of carriers and crossings of edges in a step.
 
     Attributes:
-        faces: Tags of the active faces.
+        active: What is active of each pair.
         settled: For each interface the frame of its carrier, or the contacts of its edges.
     """
 
-    faces: Faces
+    active: Active
     settled: tuple[Any, ...]
 
     @classmethod
-    def of(cls, faces: Faces, links: Sequence[Link]) -> InterfaceState:
+    def of(cls, active: Active, links: Sequence[Link]) -> InterfaceState:
         """The state of these interfaces now."""
         carriers = [link.interface.carrier for link in links]
         return cls(
-            faces, tuple(c.detected if isinstance(c, Crossings) else c.frame for c in carriers)
+            active, tuple(c.detected if isinstance(c, Crossings) else c.frame for c in carriers)
         )
 
     def restore(self, links: Sequence[Link]) -> None:
-        """Set the interfaces of the same faces to this state."""
+        """Set the interfaces of the same pairs to this state."""
         for link, settled in zip(links, self.settled, strict=True):
             carrier = link.interface.carrier
             if isinstance(carrier, Crossings):
@@ -62,94 +65,114 @@ class InterfaceState(NamedTuple):
                 carrier.frame = settled
 
 
+class BodiesInStep:
+    """The bodies of a system at the start of a step, as pairs see them.
+
+    Attributes:
+        step: Length of the step, s.
+    """
+
+    def __init__(self, system: System, state: State, step: float):
+        """Take the state that the step starts from."""
+        self._system, self._state, self.step = system, state, step
+        self._ahead: Array | None = None
+
+    def unknowns(self, body: int | None) -> Array | None:
+        """Owned unknowns of a body; None for the ground."""
+        return self._system.part(self._state.u, body)
+
+    def ahead(self, body: int | None) -> Array | None:
+        """Those expected at the end of the step."""
+        if self._ahead is None:
+            self._ahead = self._state.u + self.step * self._state.v
+        return self._system.part(self._ahead, body)
+
+    def rotation(self, body: int | None) -> Array:
+        """Rotation of a body, (d, d); the identity for the ground."""
+        if body is None:
+            return self._system.rotation(self._state.u, None)
+        return self.motion(body).rotation
+
+    def motion(self, body: int) -> RigidMotion:
+        """Motion of a body as a whole."""
+        return self._state.rigid_motion(self._system, body)
+
+
 class Interfaces:
-    """Candidate pairs and their active faces; each interface is made once and kept."""
+    """Pairs that may touch and what is active of them; each interface is made once and kept."""
 
-    def __init__(self, system: System, contacts: Sequence[ContactPair]):
+    def __init__(self, system: System, pairs: Sequence[ContactPair]):
         """Take the bodies and the pairs that may touch."""
-        self._system, self._contacts = system, tuple(contacts)
-        self._links: dict[tuple[int, frozenset[int]], Link] = {}
-        self._last: tuple[Faces, tuple[Link, ...]] | None = None
+        self._system, self._pairs = system, tuple(pairs)
+        self._made: dict[tuple[int, Any, frozenset[int]], tuple[Link, ...]] = {}
+        self._last: tuple[Active, tuple[tuple[Link, ...], ...]] | None = None
 
-    def links(self, faces: Faces) -> tuple[Link, ...]:
-        """The interfaces of these faces; collective."""
-        if self._last is not None and (self._last[0] is faces or self._last[0] == faces):
+    def links(self, active: Active) -> tuple[Link, ...]:
+        """The active interfaces, pair after pair; collective."""
+        return tuple(link for links in self._by_pair(active) for link in links)
+
+    def _by_pair(self, active: Active) -> tuple[tuple[Link, ...], ...]:
+        """The active interfaces of each pair; collective."""
+        if self._last is not None and (self._last[0] is active or self._last[0] == active):
             return self._last[1]
-        for number, contact in enumerate(self._contacts):
-            key = number, faces[number]
-            if key not in self._links:
-                joined = contact.join(faces[number])
-                self._links[key] = Link(joined, contact.body, contact.carrier)
-        self._last = faces, tuple(self._links[key] for key in enumerate(faces))
+        found = []
+        owned: dict[int | None, frozenset[int]] = {}
+        for number, (pair, own) in enumerate(zip(self._pairs, active, strict=True)):
+            faces, taken = pair.faces(own), owned.get(pair.body, frozenset())
+            key = number, own, faces & taken
+            if key not in self._made:
+                self._made[key] = pair.links(own, faces & taken)
+            owned[pair.body] = taken | faces
+            found.append(self._made[key])
+        self._last = active, tuple(found)
         return self._last[1]
 
-    def facing(self, rotations: Sequence[Array]) -> Faces:
-        """Faces that are turned towards their carriers by the rotations of all contacts' bodies."""
-        return tuple(
-            contact.facing(rotation)
-            for contact, rotation in zip(self._contacts, rotations, strict=True)
+    def active(self, state: State, step: float, before: Active | None) -> Active:
+        """What is active in a step of a length (s) from a state, by what was before."""
+        bodies = BodiesInStep(self._system, state, step)
+        known = before or [None] * len(self._pairs)
+        found = tuple(
+            pair.active(bodies, own) for pair, own in zip(self._pairs, known, strict=True)
         )
+        return before if before is not None and found == before else found
 
-    def joined_by(self, faces: Faces, rotations: Sequence[Array]) -> Faces:
-        """These faces, and those that the rotations turn towards their carriers."""
-        turned = self.facing(rotations)
-        if all(new <= old for old, new in zip(faces, turned, strict=True)):
-            return faces
-        return tuple(old | new for old, new in zip(faces, turned, strict=True))
+    def fresh(self, active: Active, state: State) -> list[Memory]:
+        """Memories without contact forces in a state."""
+        return [self._fresh(link, state) for link in self.links(active)]
 
-    def rotations(self, u: Array) -> list[Array]:
-        """Rotations of the bodies of all contacts' points at a displacement, (d, d) each."""
-        return [self._system.rotation(u, contact.body) for contact in self._contacts]
+    def _fresh(self, link: Link, state: State) -> Memory:
+        """The memory of an interface without contact forces in a state."""
+        bodies = BodiesInStep(self._system, state, 0.0)
+        if link.carrier is not None:
+            link.interface.carrier.rotate_frame(bodies.rotation(link.carrier))
+        own, carrier = bodies.unknowns(link.body), bodies.unknowns(link.carrier)
+        return link.interface.start(own, carrier, bodies.rotation(link.body))
 
-    def rotations_of(self, state: State) -> list[Array]:
-        """Rotations of these bodies in a state, from its rigid motions, (d, d) each."""
-        system = self._system
-        return [
-            system.rotation(state.u, None)
-            if contact.body is None
-            else state.rigid_motion(system, contact.body).rotation
-            for contact in self._contacts
-        ]
-
-    def turn_carriers(self, u: Array) -> None:
-        """Let the frames of all carriers be those at a displacement."""
-        for contact in self._contacts:
-            if contact.carrier is not None:
-                contact.surface.rotate_frame(self._system.rotation(u, contact.carrier))
-
-    def fresh(self, faces: Faces, u: Array) -> list[Memory]:
-        """Memories without contact forces at a displacement."""
-        part = self._system.part
-        return [
-            link.interface.start(part(u, link.body), part(u, link.carrier), rotation)
-            for link, rotation in zip(self.links(faces), self.rotations(u), strict=True)
-        ]
-
-    def energy(self, faces: Faces, contacts: Sequence[Memory]) -> float:
+    def energy(self, active: Active, contacts: Sequence[Memory]) -> float:
         """Energy stored in all interfaces, J."""
-        pairs = zip(self.links(faces), contacts, strict=True)
+        pairs = zip(self.links(active), contacts, strict=True)
         return sum(link.interface.energy(memory) for link, memory in pairs)
 
-    def start(self, state: State, faces: Faces, dt: float) -> StepStart:
+    def start(self, state: State, active: Active, dt: float) -> StepStart:
         """Contact at the start of a step of length `dt` (s); the state is left as it is.
 
-        Faces that have joined by now are active from now on, frames are those of the middle of the
-        step, and points of corners are chosen anew.
+        Frames are those of the middle of the step, and points of corners are chosen anew.
         """
         contacts, exchanged = state.contacts, 0.0
-        if faces is not state.faces and faces != state.faces:
-            before = self.energy(state.faces, contacts)
-            contacts = self._joined(state, faces)
-            exchanged = before - self.energy(faces, contacts)
-        links, part = self.links(faces), self._system.part
+        if active is not state.active and active != state.active:
+            before = self.energy(state.active, contacts)
+            contacts = self._joined(state, active)
+            exchanged = before - self.energy(active, contacts)
+        links, part = self.links(active), self._system.part
         ahead = state.u
         if any(
             link.interface.carrier.turns and not memory.clear
             for link, memory in zip(links, contacts, strict=True)
         ):
             ahead = state.u + 0.5 * dt * state.v
+        bodies, elsewhere = BodiesInStep(self._system, state, dt), self._elsewhere(active)
         found = []
-        for link, memory, rotation in zip(links, contacts, self.rotations_of(state), strict=True):
+        for number, (link, memory) in enumerate(zip(links, contacts, strict=True)):
             if memory.clear:
                 found.append(memory)
                 continue
@@ -162,20 +185,53 @@ class Interfaces:
             carrier = None
             if link.carrier is not None and link.interface.carrier.turns:
                 carrier = self._system.rotation(ahead, link.carrier)
-            memory, lost = rotate_frame(link.interface, memory, rotation, carrier)
+            memory, lost = rotate_frame(
+                link.interface,
+                memory,
+                bodies.rotation(link.body),
+                carrier,
+                elsewhere=number in elsewhere,
+            )
             exchanged += lost
             found.append(memory)
-        return StepStart(faces, found, exchanged)
+        return StepStart(active, found, exchanged)
 
-    def _joined(self, state: State, faces: Faces) -> list[Memory]:
-        """Memories of the interfaces of more faces than a state has."""
-        return [
-            carry_over(memory, old.interface, new.interface, fresh)
-            for memory, old, new, fresh in zip(
-                state.contacts,
-                self.links(state.faces),
-                self.links(faces),
-                self.fresh(faces, state.u),
-                strict=True,
-            )
-        ]
+    def _elsewhere(self, active: Active) -> set[int]:
+        """Numbers of the interfaces of bodies that meet with other faces than those."""
+        return {
+            home
+            for pair, own in zip(self._pairs, active, strict=True)
+            if isinstance(pair, MeetingPair) and own is not None
+            for home in pair.homes
+        }
+
+    def _joined(self, state: State, active: Active) -> list[Memory]:
+        """Memories of the interfaces when more or others are active than in a state."""
+        known, memories = {}, iter(state.contacts)
+        for number, links in enumerate(self._by_pair(state.active)):
+            for role, link in enumerate(links):
+                known[number, role] = link, next(memories)
+        found = []
+        for number, links in enumerate(self._by_pair(active)):
+            for role, link in enumerate(links):
+                old, memory = known.get((number, role), (None, None))
+                if old is not None and memory is not None and old.interface is link.interface:
+                    found.append(memory)
+                    continue
+                fresh = self._fresh(link, state)
+                if old is not None and memory is not None and follows(old, link):
+                    fresh = carry_over(memory, old.interface, link.interface, fresh)
+                found.append(fresh)
+        return found
+
+
+def follows(old: Link, new: Link) -> bool:
+    """True if points of one interface are points of another one, over the same face."""
+    faces = old.interface.carrier, new.interface.carrier
+    if old.interface.corners is None:
+        return False
+    return faces[0] is faces[1] or (
+        isinstance(faces[0], Face)
+        and isinstance(faces[1], Face)
+        and bool(np.array_equal(faces[0].reference_frame, faces[1].reference_frame))
+    )

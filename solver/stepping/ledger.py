@@ -13,8 +13,9 @@ import numpy as np
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.rigid_body import DenseBody
 from solver.contact.memory import Memory
+from solver.contact.pairs import Link
 from solver.parallel import global_sum
-from solver.stepping.system import Link, System
+from solver.stepping.system import System
 from solver.types import Array
 
 

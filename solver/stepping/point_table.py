@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from solver.contact.bed import Yielding
 from solver.contact.kinematics import Observed
 from solver.contact.memory import Memory
+from solver.contact.pairs import Link
 from solver.law.friction import Bounds, new_pasts
-from solver.stepping.system import Link, System
+from solver.stepping.system import System
 from solver.types import Array, Indices, Mask
 
 Scalar = TypeVar("Scalar", bound=np.generic)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -64,7 +64,7 @@ class State(NamedTuple):
         motions: What `rigid_motion` finds for u and v, by the number of the body; empty at first.
         held: The p of elastic forces at supports and of springs to the ground, else 0, N; kept
             up to date where a meshed body stands on the ground.
-        faces: Tags of the faces of each contact that have joined: whose points the memories are of.
+        active: What is active of each pair of bodies: whose interfaces the memories are of.
         kinetic: Kinetic energy, J.
         strain: Strain energy, J.
         spring: Energy of springs to the ground, J.
@@ -81,7 +81,7 @@ class State(NamedTuple):
     contacts: Sequence[Memory]
     motions: dict[int, RigidMotion]
     held: Array = NO_FORCES
-    faces: tuple[frozenset[int], ...] = ()
+    active: tuple[Any, ...] = ()
     kinetic: float = 0.0
     strain: float = 0.0
     spring: float = 0.0
@@ -112,6 +112,59 @@ class GroundForces(NamedTuple):
     exactly what balances the momentum of all bodies, which residuals are left in."""
 
 
+class Push(NamedTuple):
+    """What an interface did in a step.
+
+    Attributes:
+        body: Number of the body whose points these are; None for what is fixed to the ground.
+        carrier: Number of the body that carries them; None likewise.
+        impulse: On the body, with that at velocity level, (d,), N s.
+        normal: Its normal part times the normals, (d,), N s.
+        moment: Its normal part times where it acts, (d,), N s m.
+        slip: Its normal part times how far points slipped, (d,), N s m.
+        pressed: Its normal part, N s.
+        gap: Of the nearest point that may touch, m.
+        points: Number of closed points.
+    """
+
+    body: int | None
+    carrier: int | None
+    impulse: Array
+    normal: Array
+    moment: Array
+    slip: Array
+    pressed: float
+    gap: float
+    points: int
+
+    @property
+    def place(self) -> Array:
+        """Where the normal part acts, (d,), m."""
+        return np.asarray(self.moment / self.pressed, dtype=np.float64)
+
+    def reversed(self) -> Push:
+        """The same as what the carrier receives."""
+        return self._replace(
+            body=self.carrier,
+            carrier=self.body,
+            impulse=-self.impulse,
+            normal=-self.normal,
+            slip=-self.slip,
+        )
+
+    def plus(self, other: Push) -> Push:
+        """This and what another interface of the same bodies did, added up."""
+        return self._replace(
+            impulse=self.impulse + other.impulse,
+            normal=self.normal + other.normal,
+            moment=self.moment + other.moment,
+            slip=self.slip + other.slip,
+            pressed=self.pressed + other.pressed,
+            gap=min(self.gap, other.gap),
+            points=self.points + other.points,
+        )
+
+
 class Exchange(NamedTuple):
     """Energy that a step took in or lost, J; each term from its own formula.
 
@@ -124,6 +177,7 @@ class Exchange(NamedTuple):
         numerical: Lost to the averaging of forces.
         iterations: Corrections that the step took.
         ground: Mean forces of the ground; None: it has none, or they are not known.
+        pushes: What each interface did; empty unless the stepper tells it.
     """
 
     input: float = 0.0
@@ -134,3 +188,4 @@ class Exchange(NamedTuple):
     numerical: float = 0.0
     iterations: int = 0
     ground: GroundForces | None = None
+    pushes: Sequence[Push] = ()

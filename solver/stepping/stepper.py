@@ -11,7 +11,7 @@ import numpy as np
 
 from solver.bodies.elastic_body import ElasticBody
 from solver.contact.memory import contact_changed
-from solver.contact.pairs import ContactPair
+from solver.contact.pairs import ContactPair, Link
 from solver.excitation.motion import GroundMotion
 from solver.law.local_problem import LocalProblem
 from solver.parallel import any_rank
@@ -31,9 +31,10 @@ from solver.stepping.balance import (
 )
 from solver.stepping.contact_solve import ContactSolve
 from solver.stepping.impulses import UNCHANGED, VelocityCorrection, VelocityImpulses
-from solver.stepping.interfaces import Faces, Interfaces, InterfaceState, StepStart
+from solver.stepping.interfaces import Active, Interfaces, InterfaceState, StepStart
 from solver.stepping.ledger import StepEnds, numerical_loss, step_sums
 from solver.stepping.point_table import joined
+from solver.stepping.pushes import pushes
 from solver.stepping.reactions import (
     HeldForces,
     ground_forces,
@@ -41,7 +42,7 @@ from solver.stepping.reactions import (
     with_impulses,
 )
 from solver.stepping.state import Exchange, GroundForces, RotationPrediction, State
-from solver.stepping.system import Link, System
+from solver.stepping.system import System
 from solver.types import Array
 
 
@@ -67,7 +68,7 @@ class Stepper:
 
         Args:
             system: The bodies.
-            contacts: Candidate pairs of bodies, and their faces in contact.
+            contacts: Pairs of bodies that may touch.
             scheme: Time stepping.
             gravity: Acceleration of gravity, (d,), m/s2.
             ground: Motion of the ground; None for ground at rest.
@@ -76,9 +77,10 @@ class Stepper:
         """
         self.system, self.scheme = system, scheme
         self._interfaces = Interfaces(system, contacts)
-        self._faces: Faces | None = None
+        self._active: Active | None = None
         self.links: tuple[Link, ...] = ()
-        """The interfaces of the faces that have joined."""
+        """The active interfaces."""
+        self._stiffened: dict[int, tuple[Link, ...]] = {}
         self.gravity = gravity
         self._weight: Array = gravity @ system.directional_mass
         motion = ground if ground is not None and ground.moves else None
@@ -91,20 +93,23 @@ class Stepper:
             lambda scheme, dt: [body.weights(scheme, dt) for body in system.bodies]
         )
         self.velocity_solve = velocity_solve
+        self.tells_pushes = False
+        """True if steps tell what each interface did in them."""
         self.local = LocalProblem()
         self._petsc_options = tuple(petsc_options)
         self._resources = ExitStack()
 
-    def _join(self, faces: Faces) -> None:
-        """Make these faces of each contact the active ones; tangents change with them."""
-        if faces is self._faces or faces == self._faces:
+    def _join(self, active: Active) -> None:
+        """Make these interfaces the active ones; tangents change with them."""
+        if active is self._active or active == self._active:
             return
-        self._faces, self.links = faces, self._interfaces.links(faces)
+        self._active, self.links = active, self._interfaces.links(active)
         self._rigid = [self.system.rigid(link) for link in self.links]
-        for link in self.links:
-            body = None if link.body is None else self.system.bodies[link.body]
-            if link.interface.theta and isinstance(body, ElasticBody):
-                body.stiffen(link.interface.theta_matrix(body.mass_matrix))
+        for number, body in enumerate(self.system.bodies):
+            own = tuple(k for k in self.links if k.body == number and k.interface.theta)
+            if isinstance(body, ElasticBody) and own != self._stiffened.get(number, ()):
+                body.stiffen([link.interface.theta_matrix(body.mass_matrix) for link in own])
+                self._stiffened[number] = own
         self._resources.close()
         self._solve = ContactSolve(self.system, self.links, self.local, self._petsc_options)
         self._resources.callback(self._solve.close)
@@ -114,20 +119,20 @@ class Stepper:
         """Start of a step of length `dt` (s) from a state.
 
         The frames of carriers are those of this step afterwards, and faces that have turned to
-        their carriers are active; the state stays as it is.
+        others are active; the state stays as it is.
         """
-        faces = self._interfaces.joined_by(state.faces, self._interfaces.rotations_of(state))
-        self._join(faces)
-        return self._interfaces.start(state, faces, dt)
+        active = self._interfaces.active(state, dt, state.active)
+        self._join(active)
+        return self._interfaces.start(state, active, dt)
 
     def standing(self) -> InterfaceState:
         """Frames of the interfaces in the step that was prepared last, for `stand`."""
-        assert self._faces is not None
-        return InterfaceState.of(self._faces, self.links)
+        assert self._active is not None
+        return InterfaceState.of(self._active, self.links)
 
     def stand(self, standing: InterfaceState) -> None:
         """Let the interfaces stand as in an earlier step."""
-        self._join(standing.faces)
+        self._join(standing.active)
         standing.restore(self.links)
 
     def saved(self) -> dict[str, Any]:
@@ -135,7 +140,7 @@ class Stepper:
         bodies = self.system.bodies
         self.local.forget()  # here as in a run that goes on from this
         return {
-            "faces": self._faces,
+            "active": self._active,
             "strained": [getattr(body, "strained_at", None) for body in bodies],
             "solve": self._solve.saved(),
             "impulses": None if self._impulses is None else self._impulses.saved(),
@@ -147,7 +152,7 @@ class Stepper:
         for body, strained_at in zip(self.system.bodies, saved["strained"], strict=True):
             if isinstance(body, ElasticBody) and strained_at is not None:
                 body.resume_stiffness(strained_at)
-        self._join(saved["faces"])
+        self._join(saved["active"])
         self._solve.resume(saved["solve"])
         if saved["impulses"] is not None:
             self._impulses = VelocityImpulses(self.system, self.links, self.local)
@@ -156,7 +161,7 @@ class Stepper:
 
     def interface_energy(self, state: State) -> float:
         """Energy stored in all interfaces, J."""
-        return self._interfaces.energy(state.faces, state.contacts)
+        return self._interfaces.energy(state.active, state.contacts)
 
     def ground_forces(self, state: State) -> GroundForces:
         """Forces of the ground on bodies that it holds at the start of a run."""
@@ -164,15 +169,12 @@ class Stepper:
 
     def start(self, u: Array, v: Array, time: float = 0.0) -> State:
         """A state whose inertia balances stresses, without loads and contact forces (r_0 = 0)."""
-        self._interfaces.turn_carriers(u)
-        faces = self._interfaces.facing(self._interfaces.rotations(u))
-        self._join(faces)
-        contacts = self._interfaces.fresh(faces, u)
-        return consistent(
-            self.system,
-            self.links,
-            State(time, u, v, p=np.zeros_like(u), contacts=contacts, motions={}, faces=faces),
-        )
+        state = State(time, u, v, p=np.zeros_like(u), contacts=(), motions={})
+        active = self._interfaces.active(state, 0.0, None)
+        self._join(active)
+        contacts = self._interfaces.fresh(active, state)
+        state = state._replace(contacts=contacts, active=active)
+        return consistent(self.system, self.links, state)
 
     def launch(self, state: State, v: Array) -> State:
         """The state with other velocities."""
@@ -204,7 +206,7 @@ class Stepper:
             StepFailed: Where there is no equilibrium.
         """
         state = start or self.start(u, np.zeros_like(u))
-        self._join(state.faces)
+        self._join(state.active)
         system = self.system
         for body, own in system.members:
             body.begin_static(u[own])
@@ -226,7 +228,7 @@ class Stepper:
         return consistent(
             self.system,
             self.links,
-            State(0.0, u, rest, p=rest, contacts=contacts, motions={}, faces=state.faces),
+            State(0.0, u, rest, p=rest, contacts=contacts, motions={}, active=state.active),
         )
 
     def _load(self, time: float, dt: float) -> Array:
@@ -261,7 +263,7 @@ class Stepper:
         try:
             solution = self._solved(balance, guess)
         except StepFailed:
-            self._join(state.faces)
+            self._join(state.active)
             raise
         return self._ended(state, step, solution, state.time + dt if end is None else end)
 
@@ -313,7 +315,7 @@ class Stepper:
             contacts=contacts,
             motions={},
             held=held,
-            faces=step.start.faces,
+            active=step.start.active,
             kinetic=sums.energies.kinetic - correction.contact - correction.friction,
             strain=sums.energies.strain,
             spring=sums.energies.spring,
@@ -332,6 +334,9 @@ class Stepper:
             numerical=averaged,
             iterations=solution.outcome.iterations,
             ground=ground,
+            pushes=pushes(self.links, old, solution.contacts, correction.impulse, dt)
+            if self.tells_pushes
+            else (),
         )
         return new, exchange
 

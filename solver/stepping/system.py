@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from mpi4py import MPI
 
@@ -18,6 +17,7 @@ from solver.contact.body_points import NitschePoints, NodePoints, SurfacePoints
 from solver.contact.interface import Interface
 from solver.contact.kinematics import Parts
 from solver.contact.nitsche_points import compact
+from solver.contact.pairs import Link
 from solver.scheme.generalized_alpha import TangentWeights
 from solver.stepping.compliance import Compliance, InterfaceDofs
 from solver.stepping.response import AnyResponse, BodyRole, DenseResponse, ElasticResponse
@@ -26,18 +26,6 @@ from solver.types import Array
 Body = ElasticBody | ReducedBody | DenseBody
 """A part of the scene that moves: meshed, reduced, or of a few unknowns. All offer the same
 methods."""
-
-
-@dataclass(frozen=True, slots=True)
-class Link:
-    """An interface between two bodies of a system."""
-
-    interface: Interface
-    """Kinematics and law."""
-    body: int | None
-    """Number of the body whose points these are; None for what is fixed to the ground."""
-    carrier: int | None
-    """Number of the body that carries them; None likewise."""
 
 
 class System:

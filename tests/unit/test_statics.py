@@ -24,7 +24,7 @@ from solver.scene import FrictionSpec
 from solver.scene.material import Material
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.stepping.stepper import Stepper
-from solver.stepping.system import Link, System
+from solver.stepping.system import System
 
 pytestmark = pytest.mark.serial
 
@@ -76,7 +76,7 @@ def test_what_has_no_area_has_no_tractions(made, stepper):
     corners = NodePoints(body, surface.layer, surface.positions)
     interface = Interface(corners, Plane.level(2), FrictionSpec(static=0.0))
     contact = FixedContactPair(interface, body=0, on=None)
-    link = Link(contact.join(frozenset()), 0, None)
+    (link,) = contact.links(frozenset(), frozenset())
     for function in (contact_tractions, nodal_pressure):
         with pytest.raises(TypeError, match="NodePoints"):
             function(link, None)

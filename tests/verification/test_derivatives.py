@@ -70,7 +70,7 @@ def thing(request) -> Thing:
     damping = DampingSpec(mass=0.0, stiffness=1e-3)
     body = ElasticBody(made.mesh, material, degree=degree, damping=damping)
     faces = MeshedContactPair(body, made.facet_tags, Plane.level(2), FrictionSpec(static=0.5))
-    return Thing(body, faces, faces.join(FACES))
+    return Thing(body, faces, faces.links(FACES, frozenset())[0].interface)
 
 
 def slope(function, step: float = 1e-4) -> np.ndarray:

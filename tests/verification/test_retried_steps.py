@@ -134,11 +134,11 @@ def test_a_face_that_joined_in_a_step_that_failed_joins_again() -> None:
     scene = SCENES["a side joins"]
     assembly = build(scene)
     stepper, (state, _) = assembly.stepper, initial_state(scene, assembly)
-    while stepper._interfaces.facing(stepper._interfaces.rotations_of(state)) == state.faces:
+    while stepper._interfaces.active(state, scene.time.step, state.active) == state.active:
         state, _ = stepper.advance(state, scene.time.step)
     alone = len(state.contacts[0].force)
     fail(stepper, state, scene.time.step)
     assert len(stepper.links[0].interface.keys()) == alone
     new, _ = stepper.advance(state, scene.time.step)
     assert len(new.contacts[0].force) > alone == len(state.contacts[0].force)
-    assert int(FacetTag.RIGHT) in new.faces[0] and int(FacetTag.RIGHT) not in state.faces[0]
+    assert int(FacetTag.RIGHT) in new.active[0] and int(FacetTag.RIGHT) not in state.active[0]

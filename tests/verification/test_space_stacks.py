@@ -15,15 +15,16 @@ from geometry.mesh import block_mesh
 from geometry.tags import FacetTag
 from rockslip import Scene, parse_scene, simulate
 from solver.bodies.elastic_body import ElasticBody
-from solver.build.assembly import outline_points
 from solver.contact.body_points import NodePoints
 from solver.contact.carriers import Face
-from solver.contact.edge_crossings import CrossingInterface, Crossings, Outline
+from solver.contact.edge_crossings import CrossingInterface, Crossings
 from solver.contact.facets import carrier_surface
 from solver.contact.kinematics import ContactIncrement, ForceWeights
+from solver.contact.pairs import Link
+from solver.contact.surfaces import outline_of
 from solver.scene import FrictionSpec
 from solver.scene.material import Material
-from solver.stepping.system import Link, System
+from solver.stepping.system import System
 from tests.momentum import imbalance
 
 Array = NDArray[np.float64]
@@ -59,7 +60,7 @@ def placed(body: ElasticBody, turn: tuple[float, ...], shift: tuple[float, ...])
 
 def crossed(bottom: Face, top: Face) -> CrossingInterface:
     """Interface of the crossing edges of two faces."""
-    over, under = (Outline(outline_points(face.points), face.degree) for face in (bottom, top))
+    over, under = (outline_of(face, np.eye(3)[2]) for face in (bottom, top))
     return CrossingInterface(Crossings(over, under, top, bottom), LAW)
 
 
@@ -109,7 +110,7 @@ def test_work_at_crossings_is_exact(cell: str, degree: int, travel: float) -> No
         outlined(UPPER, FacetTag.BOTTOM, cell, degree),
         outlined(LOWER, FacetTag.TOP, cell, degree),
     )
-    over, under = (Outline(outline_points(face.points), degree) for face in (bottom, top))
+    over, under = (outline_of(face, np.eye(3)[2]) for face in (bottom, top))
     interface = CrossingInterface(Crossings(over, under, top, bottom), LAW)
     system = System([upper, lower])
     u0 = np.concatenate(

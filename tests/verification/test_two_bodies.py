@@ -17,16 +17,16 @@ from geometry.mesh import block_mesh
 from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.rigid_body import CARRIED, RigidBox, SpaceBox, rigid_box
-from solver.build.assembly import FACE_CORNERS
 from solver.contact.body_points import NitschePoints, NodePoints, RigidPoints
 from solver.contact.carriers import Face
 from solver.contact.facets import carrier_surface
 from solver.contact.interface import Interface
 from solver.contact.kinematics import ContactIncrement, ForceWeights
 from solver.contact.nitsche_points import contact_points
+from solver.contact.pairs import Link
 from solver.scene import FrictionSpec
 from solver.scene.material import Material
-from solver.stepping.system import Link, System
+from solver.stepping.system import System
 
 Array = NDArray[np.float64]
 
@@ -118,7 +118,8 @@ class Pair:
     def _face(self, body, tags):
         frame = level_frame(self.dimension)
         if isinstance(body, RigidBox):
-            order, cell = FACE_CORNERS[self.dimension, FacetTag.TOP]
+            plane = self.dimension == 2  # in the order of basix
+            order, cell = ((3, 2), "interval") if plane else ((4, 5, 7, 6), "quadrilateral")
             ends = RigidPoints(body, body.corners[list(order)])
             return Face(ends, np.arange(len(order))[None], frame, cell)
         top = carrier_surface(body.space, tags, int(FacetTag.TOP))

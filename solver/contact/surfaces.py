@@ -1,0 +1,216 @@
+"""What a body offers to contact: its hull, its faces as carriers, and its points over a carrier."""
+
+from __future__ import annotations
+
+import numpy as np
+from dolfinx import mesh
+
+from geometry.block import FACES
+from geometry.tags import FacetTag
+from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.rigid_body import RigidBox
+from solver.contact.body_points import (
+    FacePoints,
+    FixedPoints,
+    NitschePoints,
+    NodePoints,
+    RigidPoints,
+)
+from solver.contact.carriers import Carrier, Face
+from solver.contact.edge_crossings import Outline
+from solver.contact.facets import carrier_surface, extent, shared_layer
+from solver.contact.hull import Hull
+from solver.contact.interface import Interface
+from solver.contact.nitsche_points import contact_points
+from solver.scene import Bed, ContactSpec, FrictionSpec
+from solver.types import Array, Indices
+
+BOX_FACES: dict[int, dict[FacetTag, tuple[int, ...]]] = {
+    2: {
+        FacetTag.BOTTOM: (0, 1),
+        FacetTag.RIGHT: (1, 2),
+        FacetTag.TOP: (2, 3),
+        FacetTag.LEFT: (3, 0),
+    },
+    3: dict(
+        zip(
+            (
+                *(FacetTag.BOTTOM, FacetTag.TOP),
+                *(FacetTag.FRONT, FacetTag.RIGHT, FacetTag.BACK, FacetTag.LEFT),
+            ),
+            FACES,
+            strict=True,
+        )
+    ),
+}
+"""Corners around each face of a block, anticlockwise from outside, as `Block.corners` has them."""
+
+
+def face_frame(normal: Array) -> Array:
+    """Rows normal and tangents of a face with an outward unit normal along an axis, (d, d).
+
+    In the plane the tangent is the normal turned clockwise: +x on a top. In space the frame is
+    right-handed, and the first tangent is +x, or +y where the normal is along x.
+    """
+    if len(normal) == 2:
+        return np.array([normal, [normal[1], -normal[0]]])
+    first = np.eye(3)[1 if abs(normal[0]) > 0.5 else 0]
+    return np.array([normal, first, np.cross(normal, first)])
+
+
+class BlockSurface:
+    """The surface of a block, elastic or rigid.
+
+    Attributes:
+        body: The block.
+        number: Its number in the system.
+        hull: Its hull; the faces are numbered as in `tags`.
+        tags: Tags of its faces.
+    """
+
+    def __init__(
+        self,
+        body: ElasticBody | RigidBox,
+        number: int,
+        corners: Array,
+        contact: ContactSpec,
+        facet_tags: mesh.MeshTags | None = None,
+    ):
+        """Take the block, its undeformed corners, (n, d), m, and the tags of its facets."""
+        self.body, self.number, self._contact = body, number, contact
+        self._facet_tags, self._corners = facet_tags, corners
+        self.dimension = body.dimension
+        self.thickness = body.shape.thickness if isinstance(body, RigidBox) else body.thickness
+        loops = BOX_FACES[self.dimension]
+        self.tags = tuple(int(tag) for tag in loops)
+        self._loops = {int(tag): list(loop) for tag, loop in loops.items()}
+        points: FacePoints
+        if isinstance(body, ElasticBody):
+            points = nodes_at(body, corners)
+        else:
+            points = RigidPoints(body, corners)
+        self.hull = Hull(points, [self._loops[tag] for tag in self.tags])
+        upright = self.hull.placed(np.zeros(body.size)).normals
+        self._frames = {
+            tag: face_frame(np.round(upright[k]) + 0.0) for k, tag in enumerate(self.tags)
+        }
+
+    def face(self, tag: int, margin: float) -> Face:
+        """A face as a carrier, which carries what is beyond its edge by a part of a facet."""
+        frame = self._frames[tag]
+        if isinstance(self.body, ElasticBody):
+            assert self._facet_tags is not None
+            surface = carrier_surface(self.body.space, self._facet_tags, tag)
+            nodes = NodePoints(self.body, surface.layer, surface.positions)
+            return Face(nodes, surface.nodes, frame, surface.cell, surface.degree, margin)
+        corners = self._corners[self._loops[tag]]
+        # In the order of basix: the first tangent runs fastest.
+        order = np.lexsort(np.round((corners @ frame[1:].T) / np.ptp(self._corners), 9).T)
+        points = RigidPoints(self.body, corners[order])
+        cell = "interval" if self.dimension == 2 else "quadrilateral"
+        return Face(points, np.arange(len(corners))[None], frame, cell, 1, margin)
+
+    def over(
+        self,
+        carrier: Carrier,
+        law: FrictionSpec,
+        faces: frozenset[int],
+        *,
+        shared: frozenset[int] = frozenset(),
+        bed: Bed | None = None,
+    ) -> Interface:
+        """The interface of the points of some faces with a carrier; collective.
+
+        The theta term of faces that are `shared` stands in another interface. A rigid block has all
+        its points in it.
+        """
+        if isinstance(self.body, RigidBox):
+            points = RigidPoints(self.body, *rigid_points(self.body, carrier))
+            return Interface(points, carrier, law, bed=bed)
+        assert self._facet_tags is not None
+        how = self._contact
+        own = nitsche_points(self.body, self._facet_tags, faces, points=how.points, gamma=how.gamma)
+        return Interface(own, carrier, law, theta=how.theta, bed=bed, shared=shared)
+
+
+def nitsche_points(
+    body: ElasticBody,
+    facet_tags: mesh.MeshTags,
+    faces: frozenset[int],
+    *,
+    points: str,
+    gamma: float,
+    cuts: Array | None = None,
+) -> NitschePoints:
+    """The contact points of some faces of a meshed body; arguments as of `contact_points`."""
+    chosen = np.isin(facet_tags.values, list(faces))
+    tags = mesh.meshtags(
+        body.space.mesh, facet_tags.dim, facet_tags.indices[chosen], facet_tags.values[chosen]
+    )
+    found = contact_points(body.space, tags, body.material, points=points, gamma=gamma, cuts=cuts)
+    return NitschePoints(body, found)
+
+
+def nodes_at(body: ElasticBody, places: Array) -> NodePoints:
+    """The nodes of a meshed body at some undeformed places, (n, d), m; collective."""
+    space, scale = body.space, extent(body.space.mesh)
+    off = np.abs(body.nodes[:, None] - places[None]).max(axis=2) if len(body.nodes) else None
+    rows, which = np.nonzero(off < 1e-6 * scale) if off is not None else (_NONE, _NONE)
+    start = space.dofmap.index_map.local_range[0]
+    found = space.mesh.comm.allgather((rows + start, which, body.nodes[rows]))
+    numbers, which, positions = (np.concatenate(part) for part in zip(*found, strict=True))
+    order = np.argsort(which, kind="stable")
+    assert np.array_equal(which[order], np.arange(len(places)))
+    rank, where, layer = shared_layer(space, numbers[order], positions[order], scale)
+    return NodePoints(body, layer, where, chosen=rank)
+
+
+_NONE: Indices = np.zeros(0, dtype=np.int64)
+
+
+def rigid_points(body: RigidBox, carrier: Carrier) -> tuple[Array, Array]:
+    """Points of a rigid block that may touch, and the area of the bottom that each stands for, m2.
+
+    They are its corners, on facets that deform also a grid on its bottom, no closer than the
+    facets: forces of more points than there are nodes below are not unique. Those of the top stand
+    for as much as those of the bottom: they touch where the block lies on its back.
+    """
+    sides = np.ptp(body.bottom, axis=0)[:-1]
+    counts = [1] * len(sides)
+    if isinstance(carrier, Face) and not isinstance(carrier.points, FixedPoints):
+        counts = [max(1, int(side / carrier.facet + 1e-9)) for side in sides]
+    lines = [np.linspace(0, 1, count + 1) for count in counts]
+    fractions = np.stack(np.meshgrid(*lines, indexing="ij"), -1).reshape(-1, len(sides))
+    inner = (fractions > 0) & (fractions < 1)
+    cell = float(np.prod(sides / counts)) * (body.shape.thickness if body.dimension == 2 else 1.0)
+    area = cell * np.prod(np.where(inner, 1.0, 0.5), axis=1)
+    between = inner.any(axis=1)
+    upwards = np.zeros((np.count_nonzero(between), 1))
+    grid = body.corners[0] + np.hstack([fractions[between] * sides, upwards])
+    corners = np.full(len(body.corners), cell / 2 ** len(sides))
+    return np.vstack([body.corners, grid]), np.concatenate([corners, area[between]])
+
+
+def outline_points(points: FacePoints, frame: Array) -> FacePoints:
+    """Points of a face that lie on its outline: of what cannot bend, its corners.
+
+    The frame has rows normal and tangents of the undeformed face.
+    """
+    if isinstance(points, RigidPoints):
+        return points
+    along = points.reference @ frame[1:].T
+    near = 1e-9 * np.ptp(along, axis=0)
+    low, high = along.min(axis=0) + near, along.max(axis=0) - near
+    extreme = (along < low) | (along > high)
+    if isinstance(points, FixedPoints):
+        return FixedPoints(points.reference[np.all(extreme, axis=1)])
+    outline = np.flatnonzero(np.any(extreme, axis=1))
+    return NodePoints(points.body, points.layer, points.reference, chosen=outline)
+
+
+def outline_of(face: Face, up: Array) -> Outline:
+    """The edges of a face, anticlockwise as seen from where a unit normal points, (d,)."""
+    frame = face.reference_frame
+    if up @ frame[0] < 0:
+        frame = np.array([-frame[0], frame[1], -frame[2]])
+    return Outline(outline_points(face.points, frame), face.degree, frame)

@@ -1,0 +1,243 @@
+"""What pairs of bodies do to one another in a run with meshed bodies: collisions, `pairs.csv`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from solver.build.assembly import Assembly
+from solver.contact.hull import gaps
+from solver.contact.pairs import FloorSurface
+from solver.history.events import Meeting
+from solver.history.pairs import pair_tangents
+from solver.results.meetings import Contacts
+from solver.scene import BlockSpec, Scene
+from solver.scene.laws import GROUND
+from solver.stepping.state import Exchange, Push, State
+from solver.types import Array
+
+QUIET = 2.0
+"""Time without force after which a collision is over, over that in which sound crosses both."""
+
+LONGEST = 8.0
+"""Time after which what still presses does so for good, likewise."""
+
+
+@dataclass(slots=True)
+class Collision:
+    """A collision that goes on.
+
+    Attributes:
+        begins: Time of the first touch, s.
+        approach: Normal velocity with which the bodies came together, m/s.
+        brought: Part of it that the first brought, m/s.
+        spin: Angular velocity of the first against the second before, in space, or anticlockwise.
+        impulse: On the first, (d,), N s.
+        normal: Its normal part times the normals, (d,), N s.
+        last: Time until which they pressed, s.
+        departure: Normal velocity with which they parted, m/s.
+        later_spin: As `spin`, after it.
+        is_told: True if it has been told of, since they still press.
+    """
+
+    begins: float
+    approach: float
+    brought: float
+    spin: Array
+    impulse: Array
+    normal: Array
+    last: float
+    departure: float
+    later_spin: Array
+    is_told: bool = False
+
+
+class PairObserver:
+    """Collisions of all bodies but those of blocks with what carries them, and rows of pairs."""
+
+    def __init__(self, scene: Scene, assembly: Assembly):
+        """Begin where nothing has touched."""
+        self._system = assembly.stepper.system
+        self._d = scene.dimension
+        members = assembly.members
+        self.names = (*(member.spec.name for member in members), GROUND)
+        self._surfaces = [member.surface for member in members]
+        support = assembly.support
+        self._floor = FloorSurface(support.carrier(), support.number, self._d)
+        self._ground = len(members)
+        self._times = [_crossing_time(member.spec, scene) for member in members]
+        numbers = {name: k for k, name in enumerate(self.names)}
+        self._homes = {
+            (k, numbers[member.spec.carrier]) for k, member in enumerate(members) if member.contacts
+        }
+        self._homes |= {(other, one) for one, other in self._homes}
+        self._open: dict[tuple[int, int], Collision] = {}
+        self._slips: dict[tuple[int, int], Array] = {}
+        self._deepest: tuple[float, float, str, str] | None = None
+
+    def saved(self) -> dict[str, Any]:
+        """Values carried on from step to step, for `resume`."""
+        return {
+            "open": [(*pair, asdict(each)) for pair, each in self._open.items()],
+            "slips": [(*pair, slip) for pair, slip in self._slips.items()],
+            "deepest": self._deepest,
+        }
+
+    def resume(self, saved: dict[str, Any]) -> None:
+        """Go on from the steps that another observer has seen."""
+        self._open = {(a, b): Collision(**values) for a, b, values in saved["open"]}
+        self._slips = {(a, b): slip for a, b, slip in saved["slips"]}
+        self._deepest = saved["deepest"]
+
+    @property
+    def contacts(self) -> Contacts:
+        """The deepest overlap of bodies that neither carries the other."""
+        return Contacts(self._deepest, 0, 0.0)
+
+    def step(self, before: State, after: State, exchange: Exchange) -> list[Meeting]:
+        """The collisions that ended in a step."""
+        for pair, whole in self._by_pair(exchange).items():
+            first, second = (self.names[k] for k in pair)
+            if pair not in self._homes and -whole.gap > (self._deepest or (0.0,))[0]:
+                self._deepest = (-whole.gap, after.time, first, second)
+            if whole.pressed <= 0.0:
+                continue
+            slip = whole.slip / whole.pressed
+            self._slips[pair] = self._slips.get(pair, np.zeros(self._d)) + slip
+            if pair in self._homes:
+                continue
+            place = whole.place
+            if pair not in self._open:
+                self._open[pair] = self._begun(pair, before, place, whole.normal)
+            own = self._open[pair]
+            own.impulse = own.impulse + whole.impulse
+            own.normal = own.normal + whole.normal
+            own.last = after.time
+            self._look_at_end(own, pair, after, place)
+        return list(self._ended(after.time))
+
+    def rest(self) -> list[Meeting]:
+        """The collisions that go on where the run ends."""
+        found = [self._meeting(pair, own) for pair, own in self._open.items() if not own.is_told]
+        self._open.clear()
+        return found
+
+    def _by_pair(self, exchange: Exchange) -> dict[tuple[int, int], Push]:
+        """What interfaces did, added up by pairs: to the first body of each."""
+        found: dict[tuple[int, int], Push] = {}
+        for push in exchange.pushes:
+            one, other = (self._number(body) for body in (push.body, push.carrier))
+            pair, own = ((one, other), push) if one < other else ((other, one), push.reversed())
+            found[pair] = found[pair].plus(own) if pair in found else own
+        return found
+
+    def _number(self, body: int | None) -> int:
+        """The number of a body among the names."""
+        return self._ground if body is None or body >= self._ground else body
+
+    def _begun(
+        self, pair: tuple[int, int], before: State, place: Array, normal: Array
+    ) -> Collision:
+        """A collision that begins in the step after a state."""
+        n = normal / np.linalg.norm(normal)
+        (own, spin), (other, spin_other) = (self._velocity(k, before, place) for k in pair)
+        return Collision(
+            begins=before.time,
+            approach=-float((own - other) @ n),
+            brought=-float(own @ n),
+            spin=spin - spin_other,
+            impulse=np.zeros(self._d),
+            normal=np.zeros(self._d),
+            last=before.time,
+            departure=0.0,
+            later_spin=spin - spin_other,
+        )
+
+    def _look_at_end(
+        self, own: Collision, pair: tuple[int, int], after: State, place: Array
+    ) -> None:
+        """Take the velocities after a step for those after a collision."""
+        n = own.normal / np.linalg.norm(own.normal)
+        (one, spin), (other, spin_other) = (self._velocity(k, after, place) for k in pair)
+        own.departure = float((one - other) @ n)
+        own.later_spin = spin - spin_other
+
+    def _ended(self, time: float) -> Iterator[Meeting]:
+        """The collisions that are over by a time, s, or that go on for good."""
+        for pair, own in list(self._open.items()):
+            crossing = sum(self._times[k] for k in pair if k != self._ground)
+            over = time - own.last > QUIET * crossing
+            lasts = time - own.begins > LONGEST * crossing
+            if (over or lasts) and not own.is_told:
+                own.is_told = True
+                yield self._meeting(pair, own)
+            if over:
+                del self._open[pair]
+
+    def _velocity(self, number: int, state: State, place: Array) -> tuple[Array, Array]:
+        """Velocity of a rigid body at a place, m/s, and its spin, anticlockwise or (3,), rad/s."""
+        d = self._d
+        if number == self._ground:
+            return np.zeros(d), np.zeros(1 if d == 2 else 3)
+        motion = state.rigid_motion(self._system, number)
+        arm = place - self._surfaces[number].body.centre - motion.moved
+        if d == 2:
+            turned = motion.spin[0] * np.array([arm[1], -arm[0]])
+            return motion.velocity + turned, -motion.spin
+        return motion.velocity + np.cross(motion.spin, arm), motion.spin
+
+    def _meeting(self, pair: tuple[int, int], own: Collision) -> Meeting:
+        """A collision as the recorder takes it."""
+        n = own.normal / np.linalg.norm(own.normal)
+        along = float(own.impulse @ n)
+        return Meeting(
+            time_s=own.begins,
+            first=self.names[pair[0]],
+            second=self.names[pair[1]],
+            up=float(n[-1]),
+            approach_m_s=own.approach,
+            departure_m_s=own.departure,
+            brought_m_s=own.brought,
+            impulse_Ns=along,
+            impulse_tangential_Ns=float(np.linalg.norm(own.impulse - along * n)),
+            energy_lost_J=0.5 * along * (own.approach - own.departure),
+            spin_rad_s=tuple(map(float, own.spin)),
+            later_spin_rad_s=tuple(map(float, own.later_spin)),
+        )
+
+    def rows(self, state: State, exchange: Exchange, dt: float) -> Array:
+        """The rows of all pairs that have touched, as `World.pairs` has them."""
+        d, found, known = self._d, [], self._by_pair(exchange)
+        for pair in sorted(self._slips):
+            n: Array = np.zeros(d)
+            place: Array = np.full(d, np.nan)
+            impulse: Array = np.zeros(d)
+            whole, points = known.get(pair), 0
+            if whole is not None and whole.pressed > 0.0:
+                n, place = whole.normal / np.linalg.norm(whole.normal), whole.place
+                impulse, points = whole.impulse, whole.points
+            else:
+                self._slips[pair] = np.zeros(d)
+            along = pair_tangents(n[None])[0]
+            numbers = (0.0, *pair, points, impulse @ n / dt, *(along @ impulse / dt))
+            apart = self._distance(pair, state)
+            found.append([*numbers, apart, *(along @ self._slips[pair]), *place, *n])
+        return np.array(found) if found else np.empty((0, 4 + 4 * d))
+
+    def _distance(self, pair: tuple[int, int], state: State) -> float:
+        """How far two bodies are apart along the axis that separates them best, m."""
+        placed = []
+        for k in pair:
+            surface = self._floor if k == self._ground else self._surfaces[k]
+            placed.append(surface.hull.placed(self._system.part(state.u, surface.number)))
+        return float(gaps(*placed).max())
+
+
+def _crossing_time(spec: BlockSpec, scene: Scene) -> float:
+    """Time in which sound crosses a block, s; none in a rigid one."""
+    if spec.model == "rigid":
+        return 0.0
+    return 2 * spec.shape.half_diagonal / spec.material(scene.material_plane).wave_speed
