@@ -17,7 +17,7 @@ the other work exactly f . (y_{n+1} - y_n). The frames (n, t) stand still within
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -130,6 +130,9 @@ segment on which it begins."""
 CARRIED_SHARE = 0.9
 """Part of its margin up to which the lower face is taken to carry a corner beyond its edge."""
 
+ONE_PLACE = 1e-4
+"""Part of a facet within which a crossing and a corner are at one place."""
+
 CROSSING_ROUNDS = 6
 """Rounds of Newton's method for a crossing, at most."""
 
@@ -183,7 +186,7 @@ class Crossings(FacetCarrier):
         # face only from this far within: between the two nothing is left out.
         self._carried = CARRIED_SHARE * top.margin * top.facet
         self._reaches = 2 * abs(bottom.margin) * bottom.facet
-        self._length = top.length
+        self._length, self._facet = top.length, min(top.facet, bottom.facet)
         none = np.zeros(0, dtype=np.int64)
         self._nowhere = tuple(
             self._for_all(none, line.nowhere(line.points.reference)) for line in (lower, upper)
@@ -234,6 +237,17 @@ class Crossings(FacetCarrier):
         rest = np.minimum(kinematics.place[:, 0] + compression, 0.0)
         self.detected = EdgeEdgeContacts(frame, present, rest, kinematics)
         return self._from_rest(kinematics)
+
+    @property
+    def one_place(self) -> float:
+        """Distance within which a crossing and a corner are at one place, m."""
+        return ONE_PLACE * self._facet
+
+    def leave_out(self, pairs: Indices) -> None:
+        """Let some pairs not cross in the present step."""
+        present = self.present.copy()
+        present[pairs] = False
+        self.detected = replace(self.detected, present=present)
 
     def depth_inside(self, edge: Array, face: Array) -> float:
         """Depth by which the upper face lies within the lower one, beyond `FAR_INSIDE`, m.
@@ -489,6 +503,39 @@ class CrossingInterface(Interface):
             compression=np.where(present, memory.compression, 0.0),
         )
 
+    def without_corners(
+        self, memory: Memory, edge: Interface, corners: Memory
+    ) -> tuple[Memory, Memory]:
+        """The memories of crossings and of the lower outline, of which no two are at one place.
+
+        Where an edge crosses another one at its end, and the corner there is over the upper face,
+        the corner alone counts; where it is beyond that face's edge, the crossing alone. Forces at
+        both would not be unique.
+
+        Args:
+            memory: Of the crossings, at the start of a step.
+            edge: The interface of the points of the lower outline with the upper face.
+            corners: Its memory.
+        """
+        there, foot = np.flatnonzero(memory.may_touch), memory.kinematics.projection
+        if not len(there):
+            return memory, corners
+        assert isinstance(foot, EdgeInterpolation)
+        numbers = self.crossings.lower.corners
+        places = foot.carried(foot.position)[there]
+        apart = np.linalg.norm(places[:, None] - corners.surface.position[numbers], axis=2)
+        which, corner = np.nonzero(apart < self.crossings.one_place)
+        if not len(which):
+            return memory, corners
+        beyond = edge.carrier.beyond_edge(corners.kinematics)
+        assert beyond is not None
+        off = beyond[numbers[corner]]
+        left = corners.may_touch.copy()
+        left[numbers[corner[off]]] = False
+        self.crossings.leave_out(there[which[~off]])
+        stays = self.crossings.present.copy()
+        return _touching_at(memory, stays), _touching_at(corners, left)
+
     def apart(self, surface: SurfaceState, kinematics: ContactKinematics) -> float:
         """Depth of the one outline within the other, m; negative where it is not."""
         assert kinematics.carrier is not None
@@ -498,3 +545,13 @@ class CrossingInterface(Interface):
         """Pairs that cross at this instant, not only at some time in its step."""
         assert memory.kinematics.carrier is not None
         return self.crossings.within(memory.surface.position, memory.kinematics.carrier.position)
+
+
+def _touching_at(memory: Memory, may_touch: Mask) -> Memory:
+    """A memory in which only some points may touch."""
+    lost = ~may_touch
+    return memory._replace(
+        force=np.where(lost[:, None], 0.0, memory.force),
+        may_touch=may_touch,
+        compression=np.where(lost, 0.0, memory.compression),
+    )

@@ -180,6 +180,13 @@ class Interfaces:
                 u, carrier_u = part(ahead, link.body), part(ahead, link.carrier)
                 prepared = link.interface.prepare(memory, u, carrier_u)
                 exchanged += link.interface.energy(memory) - link.interface.energy(prepared)
+                if not found[-1].clear:  # the outline is the interface before
+                    outline = links[number - 1].interface
+                    before = outline.energy(found[-1])
+                    prepared, found[-1] = link.interface.without_corners(
+                        prepared, outline, found[-1]
+                    )
+                    exchanged += before - outline.energy(found[-1])
                 found.append(prepared)
                 continue
             carrier = None
