@@ -152,7 +152,9 @@ class MeshedContactPair:
         if key not in self._found:
             self._found[key] = self._always.union(map(int, self._face[towards]))
         found = self._found[key]
-        return found if before is None else before | found
+        if before is None or found == before:
+            return found
+        return before | found
 
     def faces(self, active: frozenset[int]) -> frozenset[int]:
         """Tags of the active faces."""

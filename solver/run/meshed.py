@@ -65,7 +65,7 @@ class MeshedRun:
         self._pairs: PairObserver | None = None
         if len(scene.blocks) > 1 or scene.output.pairs or scene.blocks[0].position is not None:
             self._pairs = PairObserver(scene, self.assembly)
-            self._stepper.tells_pushes = True
+            self._stepper.tells_pushes = "all" if scene.output.pairs else "meetings"
         self._table: PairTable | None = None
         self._pair_rows: Array | None = None
         self._steps = self._iterations = 0

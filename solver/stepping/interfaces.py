@@ -105,16 +105,19 @@ class Interfaces:
         """Take the bodies and the pairs that may touch."""
         self._system, self._pairs = system, tuple(pairs)
         self._made: dict[tuple[int, Any, frozenset[int]], tuple[Link, ...]] = {}
-        self._last: tuple[Active, tuple[tuple[Link, ...], ...]] | None = None
+        self._last: Active | None = None
+        self._links: tuple[tuple[Link, ...], ...] = ()  # of what was active last, pair by pair
+        self._flat: tuple[Link, ...] = ()
 
     def links(self, active: Active) -> tuple[Link, ...]:
         """The active interfaces, pair after pair; collective."""
-        return tuple(link for links in self._by_pair(active) for link in links)
+        self._by_pair(active)
+        return self._flat
 
     def _by_pair(self, active: Active) -> tuple[tuple[Link, ...], ...]:
         """The active interfaces of each pair; collective."""
-        if self._last is not None and (self._last[0] is active or self._last[0] == active):
-            return self._last[1]
+        if self._last is active or (self._last is not None and self._last == active):
+            return self._links
         found = []
         owned: dict[int | None, frozenset[int]] = {}
         for number, (pair, own) in enumerate(zip(self._pairs, active, strict=True)):
@@ -124,8 +127,9 @@ class Interfaces:
                 self._made[key] = pair.links(own, faces & taken)
             owned[pair.body] = taken | faces
             found.append(self._made[key])
-        self._last = active, tuple(found)
-        return self._last[1]
+        self._last, self._links = active, tuple(found)
+        self._flat = tuple(link for links in found for link in links)
+        return self._links
 
     def active(self, state: State, step: float, before: Active | None) -> Active:
         """What is active in a step of a length (s) from a state, by what was before."""
@@ -205,12 +209,11 @@ class Interfaces:
 
     def _elsewhere(self, active: Active) -> set[int]:
         """Numbers of the interfaces of bodies that meet with other faces than those."""
-        return {
-            home
-            for pair, own in zip(self._pairs, active, strict=True)
-            if isinstance(pair, MeetingPair) and own is not None
-            for home in pair.homes
-        }
+        found: set[int] = set()
+        for pair, own in zip(self._pairs, active, strict=True):
+            if isinstance(pair, MeetingPair) and own is not None:
+                found.update(pair.homes)
+        return found
 
     def _joined(self, state: State, active: Active) -> list[Memory]:
         """Memories of the interfaces when more or others are active than in a state."""

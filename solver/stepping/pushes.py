@@ -20,8 +20,10 @@ def pushes(
     contacts: Sequence[Contact],
     impulse: Array | None,
     dt: float,
+    *,
+    homes: bool,
 ) -> list[Push]:
-    """What each interface did in a step of length dt (s).
+    """What interfaces near contact did in a step of length dt (s).
 
     Args:
         links: The interfaces.
@@ -29,15 +31,13 @@ def pushes(
         contacts: What they are at its end.
         impulse: Impulses at velocity level of all points, (points, d), N s; None: there are none.
         dt: The length.
+        homes: True if also those between a block and what carries it are told.
     """
     found, first = [], 0
     for link, before, after in zip(links, start, contacts, strict=True):
         interface, own = link.interface, slice(first, first + link.interface.count)
         first = own.stop
-        d = interface.dimension
-        nothing = np.zeros(d)
-        if after.clear:
-            found.append(Push(link.body, link.carrier, *(nothing,) * 4, 0.0, after.clear, 0))
+        if after.clear or not (link.is_meeting or homes):
             continue
         kinematics, force = after.kinematics, dt * after.force
         vectors = interface.carrier.vectors(before.kinematics, kinematics, force)

@@ -177,7 +177,7 @@ class Exchange(NamedTuple):
         numerical: Lost to the averaging of forces.
         iterations: Corrections that the step took.
         ground: Mean forces of the ground; None: it has none, or they are not known.
-        pushes: What each interface did; empty unless the stepper tells it.
+        pushes: What interfaces near contact did; empty unless the stepper tells it.
     """
 
     input: float = 0.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from contextlib import ExitStack
 from functools import lru_cache
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -93,8 +93,9 @@ class Stepper:
             lambda scheme, dt: [body.weights(scheme, dt) for body in system.bodies]
         )
         self.velocity_solve = velocity_solve
-        self.tells_pushes = False
-        """True if steps tell what each interface did in them."""
+        self.tells_pushes: Literal["", "meetings", "all"] = ""
+        """Whose interfaces steps tell of: of no bodies, of those of which neither carries the
+        other, of all."""
         self.local = LocalProblem()
         self._petsc_options = tuple(petsc_options)
         self._resources = ExitStack()
@@ -334,7 +335,14 @@ class Stepper:
             numerical=averaged,
             iterations=solution.outcome.iterations,
             ground=ground,
-            pushes=pushes(self.links, old, solution.contacts, correction.impulse, dt)
+            pushes=pushes(
+                self.links,
+                old,
+                solution.contacts,
+                correction.impulse,
+                dt,
+                homes=self.tells_pushes == "all",
+            )
             if self.tells_pushes
             else (),
         )
