@@ -46,9 +46,10 @@ class Event:
     angular_velocity_after_rad_s: float = math.nan
     """Just after, rad/s."""
     impulse_Ns: float = math.nan
-    """Normal impulse of the impact, without that of the weight, N s."""
+    """Normal impulse, N s; of an impact without that of the weight."""
     energy_lost_J: float = math.nan
-    """Energy that the impact took, J; where something deforms, that of the rotation."""
+    """Energy that the impact took, J; where something deforms, that of the rotation, and of a
+    collision that of the bodies as rigid ones."""
     restitution: float = math.nan
     """Angular velocity after the impact over that before it."""
     reason: str = ""

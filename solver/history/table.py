@@ -123,8 +123,8 @@ TABLE = (
     Column(
         "NAME.penetration_m",
         "m",
-        "Largest depth of a contact point of the block in what carries it or lies below it, or of a"
-        " point of that in the block (edges included); 0 where there is none.",
+        "Largest depth of a contact point of the block in what carries it, lies below it or stands"
+        " beside it, or of a point of that in the block (edges included); 0 where there is none.",
     ),
     Column("NAME.centre_x_m", "m", "Centre of mass along x."),
     Column("NAME.centre_y_m", "m", "Centre of mass along y."),

@@ -11,7 +11,7 @@ engines.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
@@ -63,17 +63,15 @@ class Watch:
     def __init__(self, scene: Scene):
         """Watch a scene from its start.
 
-        Where all blocks are rigid, what falls off its carrier lands on the floor; with meshed
-        bodies a block is carried by one body alone, and falls on.
+        What falls off a block lands on the floor; what falls over the end of a plate or of a deck
+        lands on nothing.
         """
         self._scene, self._names = scene, scene_columns(scene)
         self._before: Array | None = None
         self._overturning = scene.blocks if scene.time.stop == "overturned" else ()
-        self._falling = (
-            () if scene.is_rigid else tuple(b for b in scene.blocks if has_ends(scene, b))
-        )
-        without_ends = scene.is_rigid and scene.foundation.top is not None
-        self._leaving = scene.blocks if without_ends else ()
+        ends = scene.foundation.top is not None
+        self._falling = scene.blocks if ends and not scene.is_rigid else ()
+        self._leaving = scene.blocks if ends and scene.is_rigid else ()
 
     @property
     def ends_runs(self) -> bool:
@@ -96,7 +94,7 @@ class Watch:
         before = rows[:1] if self._before is None else self._before
         table = Rows(self._names, np.vstack([before, rows]))
         self._before = rows[-1:].copy()
-        lost = [(fallen(self._scene, table, block), block, "fell") for block in self._falling]
+        lost = [(off_foundation(self._scene, table, b), b, "fell") for b in self._falling]
         lost += [(beyond_return(table, block), block, "overturned") for block in self._overturning]
         what = "came to the edge of the plate"
         lost += [(beyond_edge(self._scene, table, block), block, what) for block in self._leaving]
@@ -109,9 +107,9 @@ class Watch:
 
 
 def _where(history: Columns, block: BlockSpec, row: int) -> str:
-    """Off what a block fell in a row, and where its centre was then, in words."""
+    """Where the centre of a block that fell off the foundation was in a row, in words."""
     place = zip("xyz", centres(history, block.name)[row, :-1], strict=False)
-    return f", off {block.carrier} with its centre at " + ", ".join(
+    return ", off the foundation with its centre at " + ", ".join(
         f"{a} = {x:.4g} m" for a, x in place
     )
 
@@ -159,12 +157,22 @@ def beyond_edge(scene: Scene, history: Columns, block: BlockSpec) -> Mask:
 
 def fallen(scene: Scene, history: Columns, block: BlockSpec) -> Mask:
     """In which rows a block moves down, off what carried it; never in the first one."""
+    return _off(history, block, _carriers(scene, history, block))
+
+
+def off_foundation(scene: Scene, history: Columns, block: BlockSpec) -> Mask:
+    """In which rows a block moves down, off the foundation, which has ends."""
+    return _off(history, block, [_foundation(scene, history)])
+
+
+def _off(history: Columns, block: BlockSpec, tops: Iterable[tuple[Boxes, Array]]) -> Mask:
+    """In which rows a block moves down, off all of some tops; never in the first one."""
     middle = centres(history, block.name)
     level = middle[:, -1]
     falls = np.diff(level, prepend=level[:1]) < 0
     if not falls.any():
         return falls
-    for carrier, half in _carriers(scene, history, block):
+    for carrier, half in tops:
         inwards = np.swapaxes(carrier.frames, 1, 2)
         place = np.einsum("nij,nj->ni", inwards, middle - carrier.centres)
         aside, height = np.abs(place[:, :-1]), place[:, -1]
@@ -186,18 +194,22 @@ def has_ends(scene: Scene, block: BlockSpec) -> bool:
 
 def _carriers(scene: Scene, history: Columns, block: BlockSpec) -> Iterator[tuple[Boxes, Array]]:
     """Tops that carry a block: middle and axes of each over the rows, and half its lengths."""
-    dimension = scene.dimension
     for carrier in scene.carriers_of(block):
         below = boxes(history, carrier)
         top = below.centres + below.half[-1] * below.frames[:, :, -1]
         yield Boxes(half=below.half, centres=top, frames=below.frames), below.half[:-1]
-    if scene.carrier_of(block) is not None:
-        return
+    if scene.carrier_of(block) is None:
+        yield _foundation(scene, history)
+
+
+def _foundation(scene: Scene, history: Columns) -> tuple[Boxes, Array]:
+    """The top of a foundation that has ends: middle and axes over the rows, half its lengths."""
     assert scene.foundation.top is not None
+    dimension = scene.dimension
     half = np.array(scene.foundation.top[: dimension - 1]) / 2
-    top = np.zeros_like(centres(history, block.name))
+    top = np.zeros((len(history["time_s"]), dimension))
     for axis, way in enumerate(("", "_second")[: dimension - 1]):
         if f"platform.drift{way}_m" in history:
             top[:, axis] = history[f"platform.drift{way}_m"]
     frames = np.broadcast_to(np.eye(dimension), (len(top), dimension, dimension))
-    yield Boxes(half=np.append(half, 0.0), centres=top, frames=frames), half
+    return Boxes(half=np.append(half, 0.0), centres=top, frames=frames), half

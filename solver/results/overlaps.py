@@ -1,7 +1,8 @@
-"""Blocks that come to overlap in a run, although neither carries the other: a limit of the model.
+"""Blocks that come to overlap in a run, although neither carries the other: a check of contact.
 
-Where something is meshed only a block and its carrier feel contact. All others are compared as
-rigid boxes, at the times at which snapshots of the fields are due.
+All bodies meet, and none should overlap. Where two do, contact between them was lost, and what
+follows is not to be trusted. They are compared as rigid boxes, at the times at which snapshots of
+the fields are due.
 """
 
 from __future__ import annotations

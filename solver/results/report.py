@@ -143,8 +143,8 @@ def told_lines(summary: Mapping[str, Any]) -> list[str]:
     """How bodies met, the chain of collapse, and blocks that came to overlap, a line each."""
     return meeting_lines(summary) + [
         f"{' and '.join(found['blocks'])} overlap from t = {found['time_s']:.6g} s on, by up to "
-        f"{found['depth_m']:.3g} m: neither carries the other, and where a body is meshed such "
-        "blocks do not feel each other"
+        f"{found['depth_m']:.3g} m: contact between them was lost, and what follows is not to be "
+        "trusted"
         for found in summary.get("overlaps", [])
     ]
 

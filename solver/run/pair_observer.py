@@ -76,6 +76,7 @@ class PairObserver:
         self._homes |= {(other, one) for one, other in self._homes}
         self._open: dict[tuple[int, int], Collision] = {}
         self._slips: dict[tuple[int, int], Array] = {}
+        self._gaps: dict[tuple[int, int], float] = {}
         self._deepest: tuple[float, float, str, str] | None = None
 
     def saved(self) -> dict[str, Any]:
@@ -83,6 +84,7 @@ class PairObserver:
         return {
             "open": [(*pair, asdict(each)) for pair, each in self._open.items()],
             "slips": [(*pair, slip) for pair, slip in self._slips.items()],
+            "gaps": [(*pair, gap) for pair, gap in self._gaps.items()],
             "deepest": self._deepest,
         }
 
@@ -90,6 +92,7 @@ class PairObserver:
         """Go on from the steps that another observer has seen."""
         self._open = {(a, b): Collision(**values) for a, b, values in saved["open"]}
         self._slips = {(a, b): slip for a, b, slip in saved["slips"]}
+        self._gaps = {(a, b): gap for a, b, gap in saved["gaps"]}
         self._deepest = saved["deepest"]
 
     @property
@@ -103,6 +106,7 @@ class PairObserver:
             first, second = (self.names[k] for k in pair)
             if pair not in self._homes and -whole.gap > (self._deepest or (0.0,))[0]:
                 self._deepest = (-whole.gap, after.time, first, second)
+            gap, self._gaps[pair] = self._gaps.get(pair, 0.0), whole.gap
             if whole.pressed <= 0.0:
                 continue
             slip = whole.slip / whole.pressed
@@ -111,7 +115,9 @@ class PairObserver:
                 continue
             place = whole.place
             if pair not in self._open:
-                self._open[pair] = self._begun(pair, before, place, whole.normal)
+                begun = self._open[pair] = self._begun(pair, before, place, whole.normal)
+                if 0.0 < gap < begun.approach * (after.time - before.time):
+                    begun.begins += gap / begun.approach
             own = self._open[pair]
             own.impulse = own.impulse + whole.impulse
             own.normal = own.normal + whole.normal

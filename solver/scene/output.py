@@ -43,7 +43,7 @@ class OutputSpec(Checked):
     `{ steps = 1000 }` or `{ minutes = 10.0 }`. Default: none is written."""
     pairs: bool = False
     """Writes `pairs.csv` beside the history: normal force, friction, gap and slip of each two
-    bodies that have touched, at the times of its rows. Only where nothing is meshed."""
+    bodies that have touched, at the times of its rows."""
     twin: bool = False
     """Run the scene once more with a motion that is stronger by a millionth, or without
     motion from such a start, and adaptive steps of a fourth of the tolerance: `summary.json` then

@@ -36,7 +36,7 @@ RIGID = 'model = "rigid" for every block, no meshed foundation'
 """The remedy where the engine of meshed bodies cannot do what a key says."""
 
 UNMESHED = f"scenes in which nothing is meshed only: {RIGID}"
-"""The scenes to which such a key applies."""
+"""The scenes to which a restitution applies."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

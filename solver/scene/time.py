@@ -53,7 +53,8 @@ class TimeSpec(Checked):
     `rho_inf = 1`. All bodies of a scene together; without effect where nothing is meshed. Default:
     8; adaptive: 0, as these steps resolve what vibrates."""
     initial: Literal["static", "unstressed"] = "static"
-    """Begin in equilibrium with gravity, where no block is tilted; or without stress."""
+    """Begin in equilibrium with gravity, where no block is tilted or begins in the air; or without
+    stress."""
     smallest: Delay = 0.0
     """Smallest step to which steps that do not converge, or are not accurate enough, are halved, s;
     0 becomes step/1024, with adaptive steps step/16384."""
