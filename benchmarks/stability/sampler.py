@@ -40,14 +40,18 @@ def _with_later_keys(seed: int, number: int) -> Tables:
             block["restitution"] = _mixed(random, (1.0,), 0.01, 1.0)
     random = Random(f"{seed}:{number}:neighbours")
     if random.random() < 0.25:
-        _add_neighbours(random, scene)
+        for block in scene["block"]:
+            block["model"] = "rigid"
+        _add_neighbours(random, scene, meshed=False)
+    elif Random(f"{seed}:{number}:meshed neighbours").random() < 0.4:
+        for block in scene["block"]:
+            block.pop("restitution", None)
+        _add_neighbours(random, scene, meshed=True)
     return scene
 
 
-def _add_neighbours(random: Random, scene: Tables) -> None:
-    """Make all blocks rigid, and add some beside them and above them."""
-    for block in scene["block"]:
-        block["model"] = "rigid"
+def _add_neighbours(random: Random, scene: Tables, *, meshed: bool) -> None:
+    """Add some blocks beside the others and above them: rigid ones, or of any kind."""
     lowest = scene["block"][0]
     width, height, depth = (lowest[key] for key in ("width", "height", "thickness"))
     plane, edge = scene["dimension"] == 2, 0.5 * width
@@ -58,8 +62,9 @@ def _add_neighbours(random: Random, scene: Tables) -> None:
         x, level = middle, 0.5 * high
         if random.random() < 0.3:
             x, level = random.uniform(-0.5, 0.5) * width, (1.5 + 2 * number) * 3 * height
-        block = {
-            **{"name": f"n{number}", "model": "rigid", "width": wide, "height": high},
+        block = _block(random, scene["dimension"], "") if meshed else {"model": "rigid"}
+        block |= {
+            **{"name": f"n{number}", "width": wide, "height": high},
             **{"thickness": depth, "density": _log(random, 1.0, 2e4)},
             "position": [x, level] if plane else [x, 0.0, level],
         }

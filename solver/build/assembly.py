@@ -204,7 +204,7 @@ def _meetings(
                 yield MeetingPair(upper.surface, lower.surface, law, homes=homes, home_face=face)
                 break
             if lower.spec.name in upper.spec.carriers:
-                yield MeetingPair(upper.surface, lower.surface, law)
+                yield MeetingPair(upper.surface, lower.surface, law, bed=scene.bed_of(upper.spec))
                 break
         else:
             first, second = sorted((one, other), key=_fineness, reverse=True)

@@ -72,7 +72,7 @@ class ContactPair(Protocol):
     """Two bodies that may touch, and the interfaces between them.
 
     What is active of them is a value that pairs of one kind understand: tags of faces, or a
-    `Meeting`.
+    `ActiveFaces`.
 
     Attributes:
         body: Number of the body whose points these are; None for what is fixed to the ground.
@@ -197,7 +197,7 @@ class FixedContactPair:
         return self._links
 
 
-class Meeting(NamedTuple):
+class ActiveFaces(NamedTuple):
     """Two faces that look at each other.
 
     Attributes:
@@ -248,6 +248,7 @@ class MeetingPair:
         second: BlockSurface | FloorSurface,
         law: FrictionSpec,
         *,
+        bed: Bed | None = None,
         homes: tuple[int, ...] = (),
         home_face: int | None = None,
     ):
@@ -257,25 +258,26 @@ class MeetingPair:
             first: Whose points are pressed on the other: the one with more of them.
             second: The other one.
             law: Friction.
+            bed: Springs and dashpots between them.
             homes: Numbers of the contacts in which the second carries the first.
             home_face: The face of the second that carries the first there: it is left to them.
         """
         self.body: int | None = first.number
         self.on = second.number
         self.homes, self._home_face = homes, home_face
-        self._first, self._second, self._law = first, second, law
-        self._known: tuple[Meeting | None, list[RigidMotion], float] | None = None
+        self._first, self._second, self._law, self._bed = first, second, law, bed
+        self._known: tuple[ActiveFaces | None, list[RigidMotion], float] | None = None
 
     # ------------------------------------------------------------- which faces
 
-    def active(self, bodies: Bodies, before: Meeting | None) -> Meeting | None:
+    def active(self, bodies: Bodies, before: ActiveFaces | None) -> ActiveFaces | None:
         """The faces that look at each other in a step; None where the bodies are not near."""
         if self._stays(bodies, before):
             return before
         (now, first, second), (ahead, _, _) = self._placed(bodies)
         size = min(self._first.hull.size, getattr(self._second.hull, "size", np.inf))
         near = NEAR * size * (1.0 if before is None else 2.0)
-        apart = float(min(now.max(), ahead.max()))
+        apart = float(np.minimum(now, ahead).max())  # bodies may pass one another in a step
         if apart > near:
             return self._keep(None, bodies, apart - near)
         count = len(first.levels)
@@ -289,7 +291,7 @@ class MeetingPair:
         tag, number = self._first.tags[one], self._second.tags[other]
         slack = self._slack(now, one, count + other)
         if before is not None:
-            slack = min(slack, near - float(max(now.max(), ahead.max())))
+            slack = min(slack, near - apart)
         if float(first.normals[one] @ second.normals[other]) > MUTUAL:
             slack = 0.0
         if number == self._home_face:
@@ -301,9 +303,9 @@ class MeetingPair:
         faces |= {tag}
         if before is not None and before.second == number:
             faces |= before.faces
-        return self._keep(Meeting(tag, number, faces), bodies, slack)
+        return self._keep(ActiveFaces(tag, number, faces), bodies, slack)
 
-    def _numbers(self, meeting: Meeting | None, count: int) -> list[int]:
+    def _numbers(self, meeting: ActiveFaces | None, count: int) -> list[int]:
         """The faces of a meeting by their numbers among the gaps; `count`: those of the first."""
         if meeting is None:
             return []
@@ -328,7 +330,9 @@ class MeetingPair:
             found.append((gaps(one, other), one, other))
         return found[0], found[1]
 
-    def _keep(self, meeting: Meeting | None, bodies: Bodies, slack: float) -> Meeting | None:
+    def _keep(
+        self, meeting: ActiveFaces | None, bodies: Bodies, slack: float
+    ) -> ActiveFaces | None:
         """A meeting that stays for as long as bodies move by less than half a slack, m."""
         self._known = meeting, self._motions(bodies), 0.5 * slack
         return meeting
@@ -340,7 +344,7 @@ class MeetingPair:
             own.append(bodies.motion(self._second.number))
         return own
 
-    def _stays(self, bodies: Bodies, before: Meeting | None) -> bool:
+    def _stays(self, bodies: Bodies, before: ActiveFaces | None) -> bool:
         """True if bodies have moved so little since faces were looked at that the same are."""
         if self._known is None or self._known[0] != before:
             return False
@@ -367,22 +371,22 @@ class MeetingPair:
 
     # ------------------------------------------------------------- interfaces
 
-    def faces(self, active: Meeting | None) -> frozenset[int]:
+    def faces(self, active: ActiveFaces | None) -> frozenset[int]:
         """Tags of the active faces of the first body, if they have tractions."""
         if active is None or not isinstance(self._first.body, ElasticBody):
             return frozenset()
         return active.faces
 
-    def links(self, active: Meeting | None, shared: frozenset[int]) -> tuple[Link, ...]:
+    def links(self, active: ActiveFaces | None, shared: frozenset[int]) -> tuple[Link, ...]:
         """The interfaces between the faces, made anew; collective."""
         if active is None:
             return ()
         lower = self._second.face(active.second, BESIDE_CARRIED)
-        own = self._first.over(lower, self._law, active.faces, shared=shared)
+        own = self._first.over(lower, self._law, active.faces, shared=shared, bed=self._bed)
         links = [Link(own, self.body, self.on, is_meeting=True)]
         if isinstance(lower, Face):
             upper = self._first.face(active.first, BESIDE_BELOW)
-            beside = edge_interfaces(upper, lower, self._first.thickness, self._law)
+            beside = edge_interfaces(upper, lower, self._first.thickness, self._law, self._bed)
             links.append(Link(beside[0], self.on, self.body, is_meeting=True))
             links += [Link(each, self.body, self.on, is_meeting=True) for each in beside[1:]]
         return tuple(links)

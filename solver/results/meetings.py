@@ -39,7 +39,7 @@ def meetings(
 ) -> dict[str, Any]:
     """Entries of a summary: deepest penetration, collisions, chain of collapse, accuracy."""
     told = (contacts and contacts.deepest, _deepest(scene, history))
-    deepest = max((each for each in told if each), default=None)
+    deepest = max((each for each in told if each), key=lambda each: each[0], default=None)
     depth, at, *names = deepest or (None, None)
     met = [e for e in events if e.kind in STRIKING and e.meets != GROUND]
     blocks = {block.name: block for block in scene.blocks}

@@ -12,6 +12,7 @@ from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.reduced_body import ReducedBody
 from solver.bodies.rigid_body import Oscillator
 from solver.build.assembly import Assembly
+from solver.build.foundation import FoundationBody
 from solver.history.columns import (
     DISSIPATED_ENERGIES,
     check_filled,
@@ -179,11 +180,19 @@ class PlatformObserver:
             row[getattr(at, f"acceleration{way}_m_s2")] = (velocity[k] - before[k]) / step
 
     def _mean(self, vector: Array) -> Array:
-        """Horizontal components of the platform's motion: of a meshed one, the mean of its top."""
-        body, surface = self._support.body, self._support.surface
-        if isinstance(body, Oscillator):
-            return body.replicate(vector)
-        assert isinstance(body, ElasticBody | ReducedBody) and surface is not None
-        nodes = surface.layer.gather(vector.reshape(-1, body.dimension))
-        total: Array = np.add.reduce(nodes, axis=0)
-        return total[:-1] / len(nodes)
+        """Horizontal components of the platform's motion."""
+        return mean_of_top(self._support, vector)[:-1]
+
+
+def mean_of_top(support: FoundationBody, vector: Array) -> Array:
+    """Mean of a displacement or velocity over the top of a foundation that moves, (d,).
+
+    By its owned unknowns; collective.
+    """
+    body, surface = support.body, support.surface
+    if isinstance(body, Oscillator):
+        return np.append(body.replicate(vector), 0.0)
+    assert isinstance(body, ElasticBody | ReducedBody) and surface is not None
+    nodes = surface.layer.gather(vector.reshape(-1, body.dimension))
+    total: Array = np.add.reduce(nodes, axis=0)
+    return total / len(nodes)

@@ -14,6 +14,7 @@ from solver.contact.pairs import FloorSurface
 from solver.history.events import Meeting
 from solver.history.pairs import pair_tangents
 from solver.results.meetings import Contacts
+from solver.run.observer import mean_of_top
 from solver.scene import BlockSpec, Scene
 from solver.scene.laws import GROUND
 from solver.stepping.state import Exchange, Push, State
@@ -65,7 +66,7 @@ class PairObserver:
         members = assembly.members
         self.names = (*(member.spec.name for member in members), GROUND)
         self._surfaces = [member.surface for member in members]
-        support = assembly.support
+        self._support = support = assembly.support
         self._floor = FloorSurface(support.carrier(), support.number, self._d)
         self._ground = len(members)
         self._times = [_crossing_time(member.spec, scene) for member in members]
@@ -187,13 +188,19 @@ class PairObserver:
         """Velocity of a rigid body at a place, m/s, and its spin, anticlockwise or (3,), rad/s."""
         d = self._d
         if number == self._ground:
-            return np.zeros(d), np.zeros(1 if d == 2 else 3)
+            return self._top_velocity(state), np.zeros(1 if d == 2 else 3)
         motion = state.rigid_motion(self._system, number)
         arm = place - self._surfaces[number].body.centre - motion.moved
         if d == 2:
             turned = motion.spin[0] * np.array([arm[1], -arm[0]])
             return motion.velocity + turned, -motion.spin
         return motion.velocity + np.cross(motion.spin, arm), motion.spin
+
+    def _top_velocity(self, state: State) -> Array:
+        """Mean velocity of the top of the foundation, m/s."""
+        if self._support.number is None:
+            return np.zeros(self._d)
+        return mean_of_top(self._support, state.v[self._system.slices[self._support.number]])
 
     def _meeting(self, pair: tuple[int, int], own: Collision) -> Meeting:
         """A collision as the recorder takes it."""

@@ -119,8 +119,8 @@ class ContactSpec(Checked):
     friction: NotNegative | FrictionSpec = 0.6
     """For blocks that do not have their own; see [friction](#friction)."""
     stiffness: Bedding | None = None
-    """k of a [bed of springs](#bed) between each block and what carries it, of several the first,
-    Pa/m. Meshed scenes only. Default: no bed; with `damping` a tenth of the block's own, 0.1
+    """k of a [bed of springs](#bed) between each block and what carries it, Pa/m. Meshed scenes
+    only. Default: no bed; with `damping` a tenth of the block's own, 0.1
     (lambda + 2 mu)/H."""
     damping: Annotated[float, Number(at_least=0, at_most=1)] = 0.0
     """Dashpots of that bed, which never pull, over the critical value of a block on it. Meshed

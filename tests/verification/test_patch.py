@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 import ufl
 from dolfinx import fem
+from dolfinx.mesh import compute_midpoints
 from loads import surface_force
 
 from benchmarks.verification.load_steps import contact_tractions, nodal_pressure
@@ -20,8 +21,10 @@ from geometry.block import Block
 from geometry.foundation import Plate
 from geometry.mesh import block_mesh, move, plate_mesh
 from geometry.tags import FacetTag
+from rockslip import parse_scene
 from solver.bodies.elastic_body import ElasticBody, Support
 from solver.bodies.elastic_forms import green_strain
+from solver.build.assembly import build, initial_state
 from solver.contact.body_points import NodePoints
 from solver.contact.carriers import Face
 from solver.contact.facets import carrier_surface
@@ -206,3 +209,40 @@ def test_without_common_refinement_it_is_not_uniform(points, degree, least, most
     """Rules on the facets of one side leave an error in the nodal pressure."""
     patch = Patch(degree=degree, points=points, cuts=False, friction=5.0)
     assert least < patch.errors()[0] < most
+
+
+@pytest.mark.parametrize(
+    ("points", "below", "above", "error"),
+    [("nodes", 6, 6, 1e-3), ("nodes", 6, 7, 0.035), ("gauss", 6, 7, 6e-3), ("nodes", 24, 28, 0.03)],
+)
+def test_a_block_at_rest_on_another_as_scenes_have_it(
+    points: str, below: int, above: int, error: float
+) -> None:
+    """Without common refinement: stresses of cells beside weight over area, over the pressure."""
+    stone = {"model": "elastic", "young": 1e9, "poisson": 0.0, "density": 2000.0, "width": 1.0}
+    low = stone | {"name": "low", "height": 0.5, "cells": [below, below]}
+    top = stone | {"name": "top", "on": "low", "height": 1.0, "cells": [above, above]}
+    contact = {"friction": 0.0, "points": points}
+    case = parse_scene({"block": [low, top], "contact": contact, "time": {"end": 0.01}})
+    assembly = build(case)
+    state, remark = initial_state(case, assembly)
+    assert not remark
+    pressure, largest = 2000.0 * 9.81 * 1.0, 0.0
+    for member, own in zip(assembly.members, assembly.stepper.system.slices, strict=False):
+        body = member.body
+        body.u.x.array[:] = state.u[own]
+        strain = green_strain(ufl.grad(body.u))
+        cells = fem.functionspace(body.space.mesh, ("DG", 0))
+        places = cells.element.interpolation_points
+        stress = fem.Function(cells)
+        stress.interpolate(
+            fem.Expression(
+                body.material.lame * ufl.tr(strain) + 2 * body.material.shear * strain[1, 1],
+                places() if callable(places) else places,
+            )
+        )
+        count = cells.dofmap.index_map.size_local
+        middle = compute_midpoints(body.space.mesh, 2, np.arange(count, dtype=np.int32))[:, 1]
+        off = stress.x.array[:count] / body.thickness + 2000.0 * 9.81 * (1.5 - middle)
+        largest = max(largest, float(np.abs(off).max()) / pressure)
+    assert largest < error
