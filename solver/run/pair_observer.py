@@ -23,8 +23,9 @@ from solver.types import Array
 QUIET = 2.0
 """Time without force after which a collision is over, over that in which sound crosses both."""
 
-LONGEST = 8.0
-"""Time after which what still presses does so for good, likewise."""
+LONGEST, LONGEST_STEPS = 8.0, 4.0
+"""Time after which what still presses does so for good, likewise, and over a step: rigid bodies
+part, or go on together, within two or three."""
 
 
 @dataclass(slots=True)
@@ -124,7 +125,7 @@ class PairObserver:
             own.normal = own.normal + whole.normal
             own.last = after.time
             self._look_at_end(own, pair, after, place)
-        return list(self._ended(after.time))
+        return list(self._ended(after.time, after.time - before.time))
 
     def rest(self) -> list[Meeting]:
         """The collisions that go on where the run ends."""
@@ -172,12 +173,12 @@ class PairObserver:
         own.departure = float((one - other) @ n)
         own.later_spin = spin - spin_other
 
-    def _ended(self, time: float) -> Iterator[Meeting]:
-        """The collisions that are over by a time, s, or that go on for good."""
+    def _ended(self, time: float, dt: float) -> Iterator[Meeting]:
+        """The collisions that are over by a time (s), after a step, or that go on for good."""
         for pair, own in list(self._open.items()):
             crossing = sum(self._times[k] for k in pair if k != self._ground)
             over = time - own.last > QUIET * crossing
-            lasts = time - own.begins > LONGEST * crossing
+            lasts = time - own.begins > max(LONGEST * crossing, LONGEST_STEPS * dt)
             if (over or lasts) and not own.is_told:
                 own.is_told = True
                 yield self._meeting(pair, own)

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from rockslip import Result, parse_scene, read_run, simulate
-from solver.errors import SceneError
 from solver.history.events import Event
 from solver.history.pairs import force_on_first, read_pairs
 from solver.pictures.contact import pair_frames
@@ -187,12 +186,36 @@ def test_slip_and_gap_of_a_pair(tmp_path: Path) -> None:
     assert known["h", "foundation"]["time_s"][0] == pytest.approx(math.sqrt(0.2 / G), abs=2e-3)
 
 
+def test_pairs_of_meshed_blocks(tmp_path: Path) -> None:
+    """Weight at rest, of each block and of what is on it; nothing between blocks that are apart."""
+    elastic = BOX | {"model": "elastic", "young": 1e9, "poisson": 0.2, "cells": [2, 2]}
+    blocks = [elastic | {"name": "low"}, elastic | {"name": "top", "on": "low"}]
+    blocks.append(elastic | {"name": "side", "offset": 1.0})
+    output = {"pairs": True, "fields": "none"}
+    simulate(
+        parse_scene({"block": blocks, "time": {"end": 0.02}, "output": output}), folder=tmp_path
+    )
+    pairs, weight = (
+        read_run(tmp_path).pairs(),
+        parse_scene({"block": [elastic], "time": {"end": 1.0}}),
+    )
+    weight = weight.blocks[0].shape.weight(G)
+    normal = {names: known["normal_N"][-1] for names, known in pairs.items()}
+    assert normal == pytest.approx(
+        {
+            ("low", "top"): weight,
+            ("low", "foundation"): 2 * weight,
+            ("side", "foundation"): weight,
+        },
+        rel=1e-6,
+    )
+    assert pairs["low", "top"]["normal_y"][-1] == pytest.approx(-1.0)
+    assert pairs["low", "top"]["gap_m"][-1] == pytest.approx(0.0, abs=1e-7)
+
+
 def test_no_pairs_unless_requested(tmp_path: Path) -> None:
     run({}, folder=tmp_path, time={"end": 0.01})
     assert not (tmp_path / "pairs.csv").exists() and not read_run(tmp_path).pairs()
-    elastic = BOX | {"model": "elastic", "young": 1e9, "poisson": 0.2, "cells": [2, 2]}
-    with pytest.raises(SceneError, match=r"output\.pairs"):
-        parse_scene({"block": [elastic], "time": {"end": 1.0}, "output": {"pairs": True}})
 
 
 def test_a_block_that_chatters_does_not_fill_the_events() -> None:
