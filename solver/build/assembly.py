@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import combinations
 
 from mpi4py import MPI
@@ -13,23 +13,19 @@ from dolfinx.mesh import MeshTags
 
 from geometry.arrangement import Pose
 from geometry.mesh import move
-from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.rigid_body import RigidBox, rigid_box
 from solver.build.foundation import FoundationBody, foundation
 from solver.build.meshed_body import mesh_of_block, meshed_body
 from solver.contact.body_points import RigidPoints
-from solver.contact.carriers import Carrier, Face
+from solver.contact.carriers import Face
 from solver.contact.interface import Interface
 from solver.contact.pairs import (
-    BESIDE_BELOW,
-    BESIDE_CARRIED,
     ContactPair,
+    FacePair,
     FixedContactPair,
     FloorSurface,
-    MeetingPair,
     MeshedContactPair,
-    edge_interfaces,
 )
 from solver.contact.surfaces import BlockSurface, rigid_points
 from solver.excitation.motion import GroundMotion, read_ground
@@ -53,8 +49,6 @@ class BlockBody:
         stand: From the body's reference configuration to where it begins.
         surface: Its surface.
         tags: Facet tags of a meshed body.
-        contacts: Numbers of its contacts: with its own points, with those of the edge below it, and
-            in space where its edges cross those below.
         carriers: Numbers of the bodies that carry it.
     """
 
@@ -64,7 +58,6 @@ class BlockBody:
     stand: Pose
     surface: BlockSurface
     tags: MeshTags | None = None
-    contacts: list[int] = field(default_factory=list)
     carriers: tuple[int, ...] = ()
 
 
@@ -102,10 +95,11 @@ def build(
     bodies += [member.body for member in members]
     if support.body is not None:
         bodies.append(support.body)
-    pairs: list[ContactPair] = []
-    for member in members:
-        pairs += _carried(scene, member, members, support, len(pairs))
+    pairs = [_standing(scene, member, members, support) for member in members]
     pairs += _meetings(scene, members, support)
+    names = {member.spec.name: member.number for member in members}
+    for member in members:
+        member.carriers = tuple(names[name] for name in member.spec.carriers if name in names)
     stepper = Stepper(
         System(bodies),
         pairs,
@@ -144,26 +138,22 @@ def _member(scene: Scene, number: int, placed: tuple[Pose, Pose], comm: MPI.Intr
     return BlockBody(spec, body, number, stand, surface, made.facet_tags)
 
 
-def _carried(
-    scene: Scene,
-    member: BlockBody,
-    members: Sequence[BlockBody],
-    support: FoundationBody,
-    first: int,
-) -> list[ContactPair]:
-    """The contact of a block with what carries it, of that one's edge with it, of both edges."""
+def _standing(
+    scene: Scene, member: BlockBody, members: Sequence[BlockBody], support: FoundationBody
+) -> ContactPair:
+    """A block and what it stands on, of several bodies the first."""
     law, bed = scene.friction_of(member.spec), scene.bed_of(member.spec)
     below = next((other for other in members if other.spec.name == member.spec.carrier), None)
-    carrier: Carrier
-    if below is None:
-        carrier, on = support.carrier(), support.number
-    else:
-        carrier, on = below.surface.face(int(FacetTag.TOP), BESIDE_CARRIED), below.number
-    own: ContactPair
+    if below is not None:
+        return FacePair(member.surface, below.surface, law, bed=bed, stands=True)
+    carrier, on = support.carrier(), support.number
+    if isinstance(carrier, Face):
+        floor = FloorSurface(carrier, on, scene.dimension)
+        return FacePair(member.surface, floor, law, bed=bed, stands=True)
     if isinstance(member.body, ElasticBody):
         assert member.tags is not None
         contact = scene.contact
-        own = MeshedContactPair(
+        return MeshedContactPair(
             member.body,
             member.tags,
             carrier,
@@ -175,45 +165,32 @@ def _carried(
             on=on,
             bed=bed,
         )
-    else:
-        points = RigidPoints(member.body, *rigid_points(member.body, carrier))
-        interface = Interface(points, carrier, law, bed=bed)
-        own = FixedContactPair(interface, body=member.number, on=on)
-    contacts = [own]
-    if isinstance(carrier, Face):
-        bottom = member.surface.face(int(FacetTag.BOTTOM), BESIDE_BELOW)
-        edge, *crossings = edge_interfaces(bottom, carrier, member.surface.thickness, law, bed)
-        contacts.append(FixedContactPair(edge, body=on, on=member.number))
-        contacts += [FixedContactPair(each, body=member.number, on=on) for each in crossings]
-    member.contacts = list(range(first, first + len(contacts)))
-    names = {each.spec.name: each.number for each in members}
-    member.carriers = tuple(names[name] for name in member.spec.carriers if name in names)
-    return contacts
+    points = RigidPoints(member.body, *rigid_points(member.body, carrier))
+    interface = Interface(points, carrier, law, bed=bed)
+    return FixedContactPair(interface, body=member.number, on=on)
 
 
 def _meetings(
     scene: Scene, members: Sequence[BlockBody], support: FoundationBody
-) -> Iterator[MeetingPair]:
+) -> Iterator[ContactPair]:
     """All other pairs of bodies that may meet."""
     laws = scene.laws
     for one, other in combinations(members, 2):
         law = laws.between(one.spec.name, other.spec.name)[0]
         for upper, lower in ((one, other), (other, one)):
-            if upper.spec.carrier == lower.spec.name:
-                homes, face = tuple(upper.contacts), int(FacetTag.TOP)
-                yield MeetingPair(upper.surface, lower.surface, law, homes=homes, home_face=face)
-                break
-            if lower.spec.name in upper.spec.carriers:
-                yield MeetingPair(upper.surface, lower.surface, law, bed=scene.bed_of(upper.spec))
+            if lower.spec.name in upper.spec.carriers[1:]:
+                yield FacePair(upper.surface, lower.surface, law, bed=scene.bed_of(upper.spec))
+            elif lower.spec.name == upper.spec.carrier:
                 break
         else:
-            first, second = sorted((one, other), key=_fineness, reverse=True)
-            yield MeetingPair(first.surface, second.surface, law)
+            if not {one.spec.name, other.spec.name} & {*one.spec.carriers, *other.spec.carriers}:
+                first, second = sorted((one, other), key=_fineness, reverse=True)
+                yield FacePair(first.surface, second.surface, law)
     for member in members:
         if member.spec.carrier != "foundation":
             law = laws.between(member.spec.name, "foundation")[0]
             floor = FloorSurface(support.carrier(), support.number, scene.dimension)
-            yield MeetingPair(member.surface, floor, law)
+            yield FacePair(member.surface, floor, law)
 
 
 def _fineness(member: BlockBody) -> float:

@@ -413,12 +413,7 @@ def penetrating(interface: Interface, memory: Memory) -> Mask:
 
 
 def rotate_frame(
-    interface: Interface,
-    memory: Memory,
-    rotation: Array,
-    carrier_rotation: Array | None,
-    *,
-    elsewhere: bool = False,
+    interface: Interface, memory: Memory, rotation: Array, carrier_rotation: Array | None
 ) -> tuple[Memory, float]:
     """The memory in the frame of a coming step, with the points of corners chosen anew.
 
@@ -430,7 +425,6 @@ def rotate_frame(
         memory: Memory of t_n.
         rotation: Of the body of the points at t_n, (d, d).
         carrier_rotation: Of a carrier that turns, in the middle of the step; None for others.
-        elsewhere: True if the bodies meet with other faces: no point may touch here.
 
     Returns:
         The memory that the step starts from, and the interface energy lost by the exchange
@@ -447,8 +441,6 @@ def rotate_frame(
     ignored = _initial_penetration(interface, memory, beyond)
     if ignored is not None:
         may_touch &= ~ignored
-    if elsewhere:
-        may_touch = np.zeros_like(may_touch)
     if may_touch.tobytes() == memory.may_touch.tobytes():
         return memory, exchanged
     before = interface.energy(memory)

@@ -45,8 +45,8 @@ class Link:
     """Number of the body whose points these are; None for what is fixed to the ground."""
     carrier: int | None
     """Number of the body that carries them; None likewise."""
-    is_meeting: bool = False
-    """True if neither carries the other at the start."""
+    stands: bool = True
+    """True if the one stands on the other at the start."""
 
 
 class Bodies(Protocol):
@@ -235,8 +235,8 @@ from this far within its edge the points of the second. One of two corners that 
 carried at any time."""
 
 
-class MeetingPair:
-    """Two bodies of which neither carries the other, or which meet beside where one does.
+class FacePair:
+    """Two bodies of which faces look at each other.
 
     The points of the first are pressed on a face of the second, the outline of that on a face of
     the first; in space, edges cross.
@@ -249,24 +249,30 @@ class MeetingPair:
         law: FrictionSpec,
         *,
         bed: Bed | None = None,
-        homes: tuple[int, ...] = (),
-        home_face: int | None = None,
+        stands: bool = False,
     ):
         """Take the bodies, and their friction.
 
         Args:
-            first: Whose points are pressed on the other: the one with more of them.
+            first: Whose points are pressed on the other: what stands on it, or the one with more
+                of them.
             second: The other one.
             law: Friction.
             bed: Springs and dashpots between them.
-            homes: Numbers of the contacts in which the second carries the first.
-            home_face: The face of the second that carries the first there: it is left to them.
+            stands: True if the first stands on the second at the start: with its bottom on a top.
+                Some faces of theirs are active then, wherever they are.
         """
         self.body: int | None = first.number
         self.on = second.number
-        self.homes, self._home_face = homes, home_face
         self._first, self._second, self._law, self._bed = first, second, law, bed
+        self._stands = stands
         self._known: tuple[ActiveFaces | None, list[RigidMotion], float] | None = None
+        self._lower: dict[int, Carrier] = {}  # faces of the second body
+        self._outlines: dict[tuple[int, int], list[Interface]] = {}
+
+    def is_home(self, active: ActiveFaces) -> bool:
+        """True if the first body meets the face of the second that it stands on at the start."""
+        return active.second == self._second.tags[self._second.top]
 
     # ------------------------------------------------------------- which faces
 
@@ -274,12 +280,15 @@ class MeetingPair:
         """The faces that look at each other in a step; None where the bodies are not near."""
         if self._stays(bodies, before):
             return before
+        if before is None and self._stands:
+            top = self._second.tags[self._second.top]
+            before = ActiveFaces(int(FacetTag.BOTTOM), top, frozenset({int(FacetTag.BOTTOM)}))
         (now, first, second), (ahead, _, _) = self._placed(bodies)
         size = min(self._first.hull.size, getattr(self._second.hull, "size", np.inf))
         near = NEAR * size * (1.0 if before is None else 2.0)
         apart = float(np.minimum(now, ahead).max())  # bodies may pass one another in a step
         if apart > near:
-            return self._keep(None, bodies, apart - near)
+            return self._keep(before if self._stands else None, bodies, apart - near)
         count = len(first.levels)
         best, keeps = separating_face(now, ahead), self._numbers(before, count)
         if keeps and max(now[k] for k in keeps) > now[best] - HELD * size:
@@ -294,8 +303,6 @@ class MeetingPair:
             slack = min(slack, near - apart)
         if float(first.normals[one] @ second.normals[other]) > MUTUAL:
             slack = 0.0
-        if number == self._home_face:
-            return self._keep(None, bodies, slack)
         turned = first.normals @ second.normals[other] < FACING
         faces = frozenset(
             t for t, is_turned in zip(self._first.tags, turned, strict=True) if is_turned
@@ -378,17 +385,26 @@ class MeetingPair:
         return active.faces
 
     def links(self, active: ActiveFaces | None, shared: frozenset[int]) -> tuple[Link, ...]:
-        """The interfaces between the faces, made anew; collective."""
+        """The interfaces between the faces; collective.
+
+        That of the points is made anew, those of outlines are kept: their points stay the same.
+        """
         if active is None:
             return ()
-        lower = self._second.face(active.second, BESIDE_CARRIED)
+        if active.second not in self._lower:
+            self._lower[active.second] = self._second.face(active.second, BESIDE_CARRIED)
+        lower = self._lower[active.second]
         own = self._first.over(lower, self._law, active.faces, shared=shared, bed=self._bed)
-        links = [Link(own, self.body, self.on, is_meeting=True)]
+        links = [Link(own, self.body, self.on, stands=self._stands)]
         if isinstance(lower, Face):
-            upper = self._first.face(active.first, BESIDE_BELOW)
-            beside = edge_interfaces(upper, lower, self._first.thickness, self._law, self._bed)
-            links.append(Link(beside[0], self.on, self.body, is_meeting=True))
-            links += [Link(each, self.body, self.on, is_meeting=True) for each in beside[1:]]
+            faces = active.first, active.second
+            if faces not in self._outlines:
+                upper = self._first.face(active.first, BESIDE_BELOW)
+                beside = edge_interfaces(upper, lower, self._first.thickness, self._law, self._bed)
+                self._outlines[faces] = beside
+            edge, *crossings = self._outlines[faces]
+            links.append(Link(edge, self.on, self.body, stands=self._stands))
+            links += [Link(each, self.body, self.on, stands=self._stands) for each in crossings]
         return tuple(links)
 
 
@@ -415,6 +431,7 @@ class FloorSurface:
     """What carries blocks and is none: one face that they can touch."""
 
     tags = (FLOOR,)
+    top = 0
 
     def __init__(self, carrier: Carrier, number: int | None, dimension: int):
         """Take its surface and its number in the system; None where it does not move."""

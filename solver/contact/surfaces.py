@@ -66,6 +66,7 @@ class BlockSurface:
         number: Its number in the system.
         hull: Its hull; the faces are numbered as in `tags`.
         tags: Tags of its faces.
+        top: Number of the top among them.
     """
 
     def __init__(
@@ -83,6 +84,7 @@ class BlockSurface:
         self.thickness = body.shape.thickness if isinstance(body, RigidBox) else body.thickness
         loops = BOX_FACES[self.dimension]
         self.tags = tuple(int(tag) for tag in loops)
+        self.top = self.tags.index(int(FacetTag.TOP))
         self._loops = {int(tag): list(loop) for tag, loop in loops.items()}
         points: FacePoints
         if isinstance(body, ElasticBody):

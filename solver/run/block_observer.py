@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
+from geometry.foundation import level_frame
 from solver.bodies.kinematics import RigidMotion
-from solver.bodies.rigid_body import RigidBox
 from solver.build.assembly import BlockBody
 from solver.contact.body_points import Key, NitschePoints
 from solver.contact.carriers import Face
 from solver.contact.kinematics import in_space
 from solver.contact.memory import Memory
-from solver.contact.pairs import Link
+from solver.contact.pairs import ActiveFaces, Link
 from solver.history.block_columns import (
     has_lost_carrier,
     lean_in_space,
@@ -54,8 +54,9 @@ class BlockObserver:
         """Start at a state; `carrier` is the block below, None where the foundation carries it."""
         self._member, self._stepper, self._carrier = member, stepper, carrier
         self._links: Sequence[Link] = ()
-        self._beside: list[int] = []
+        self._number, self._others = 0, list[int]()
         self._take(stepper.links)
+        self._home = self._faces(state)
         self._own = stepper.system.slices[member.number]
         d = stepper.system.dimension
         self._angles, self._slip = np.zeros(1 if d == 2 else 4), np.zeros(d - 1)
@@ -65,26 +66,31 @@ class BlockObserver:
         self._gaps = slice(getattr(at, gaps[0]), getattr(at, gaps[1]) + 1)
         forces = ("normal_force_N", "friction_force_N", "friction_force_second_N")[:d]
         self._forces = [getattr(at, name) for name in forces]
+        slips = ("slip_m", "slip_second_m")[: d - 1]
+        self._slips = [getattr(at, name) for name in slips]
         self._set_interface()
         self._known = self._first_reference(state)
         self._order_reference()
-
-    @property
-    def _link(self) -> Link:
-        """The interface of the block's own points; another one after a face has joined."""
-        return self._links[self._member.contacts[0]]
 
     def _take(self, links: Sequence[Link]) -> None:
         """Take the interfaces that are active now."""
         if links is self._links:
             return
-        self._links = links
-        own, homes = self._member.number, self._member.contacts
-        self._beside = [
+        self._links, own = links, self._member.number
+        self._number = next(k for k, link in enumerate(links) if link.stands and link.body == own)
+        below = links[self._number].carrier
+        self._others = [
             number
             for number, link in enumerate(links)
-            if own in (link.body, link.carrier) and link.is_meeting and number not in homes
+            if own in (link.body, link.carrier)
+            and number != self._number
+            and not (link.stands and {link.body, link.carrier} != {own, below})
         ]
+
+    def _faces(self, state: State) -> int | None:
+        """The face of what carries the block that it meets; None where that has but one."""
+        active = state.active[self._member.number]
+        return active.second if isinstance(active, ActiveFaces) else None
 
     def saved(self) -> tuple[Any, ...]:
         """Values carried on from step to step, for `resume`."""
@@ -99,9 +105,8 @@ class BlockObserver:
 
     def _set_interface(self) -> None:
         """Set the points that the block has now."""
-        self._interface = self._link.interface
+        self._interface = self._links[self._number].interface
         self._level = LEVEL * self._interface.size
-        self._corners = self._bottom()
 
     def _order_reference(self) -> None:
         """Order the reference positions of its points; nan where one is not known yet."""
@@ -110,37 +115,10 @@ class BlockObserver:
             [self._known.get(key, unknown) for key in self._interface.keys()]
         )
 
-    def _bottom(self) -> Array | tuple[Indices, Array]:
-        """The bottom corners: of a rigid block where they are in it, of a mesh which nodes."""
-        if isinstance(self._member.body, RigidBox):
-            return self._member.body.bottom
-        points = self._link.interface.points
-        assert isinstance(points, NitschePoints)
-        places = points.points.node_positions
-        scale = 1e-9 * points.size
-        row = np.flatnonzero(places[:, -1] < places[:, -1].min() + scale)
-        level = places[row]
-        if places.shape[1] == 2:
-            ends = [np.argmin(level[:, 0]), np.argmax(level[:, 0])]
-        else:
-            x, y = level[:, 0], level[:, 1]
-            ends = [np.argmin(x + y), np.argmax(x - y), np.argmax(x + y), np.argmax(y - x)]
-        corners = row[ends]
-        return points.points.layer.numbers(corners), places[corners]
-
     def _corner_positions(self, state: State) -> Array:
         """Positions of the bottom corners."""
-        u = state.u[self._own]
-        body = self._member.body
-        if isinstance(body, RigidBox):
-            assert isinstance(self._corners, np.ndarray)
-            return body.material_positions(self._corners, body.replicate(u))
-        points = self._link.interface.points
-        assert isinstance(points, NitschePoints) and isinstance(self._corners, tuple)
-        nodes, places = self._corners
-        moved = points.points.layer.reached(u.reshape(-1, body.dimension))
-        found: Array = places + moved.take(nodes, axis=0)
-        return found
+        corners = self._member.surface.hull.points.observe(state.u[self._own]).position
+        return corners[: len(corners) // 2]
 
     def write(self, state: State, links: Sequence[Link], row: Array) -> None:
         """Fill in the columns of the block, all of `row`; the memories of the state are of `links`.
@@ -148,43 +126,43 @@ class BlockObserver:
         These stand as they did in the step that led there.
         """
         self._take(links)
-        own, *edges = self._member.contacts
-        edges += self._beside
-        edges = [number for number in edges if not state.contacts[number].clear]
-        memory = state.contacts[own]
-        if self._link.interface is not self._interface:
+        memory = state.contacts[self._number]
+        others = [number for number in self._others if not state.contacts[number].clear]
+        if links[self._number].interface is not self._interface:
             self._set_interface()
             self._order_reference()
-        if not self._write_own(state, memory, row):
+        lost = self._faces(state) != self._home  # it meets another face of what carried it
+        self._write_whole(state, row)
+        if lost:
+            row[self._slips] = self._slip
+        elif not self._write_slip(memory, row):
             self._set_reference(memory)
-            self._write_own(state, memory, row)
-        lost = self._carrier is not None and self._lost_its_carrier(state)
+            self._write_slip(memory, row)
+        lost = lost or (self._carrier is not None and self._lost_its_carrier(state))
         corners = self._corner_positions(state)
         height = corners[:, -1]
         if not lost:
             carrier = self._interface.carrier
             height = carrier.kinematics(corners, memory.kinematics.carrier).place[:, 0]
         row[self._gaps] = height
-        row[self._at.penetration_m] = max(self._penetration(state, n) for n in (own, *edges))
-        if edges or lost:
-            row[self._forces] = self._force(state, edges, lost)
+        numbers = self._number, *others
+        row[self._at.penetration_m] = max(self._penetration(state, n) for n in numbers)
+        row[self._forces] = np.add.reduce(memory.force)
+        if others or lost:
+            row[self._forces] = self._force(state, others, lost)
 
-    def _write_own(self, state: State, memory: Memory, row: Array) -> bool:
-        """Motion, slip and forces, by the block's own points; False where a reference is unknown.
+    def _write_whole(self, state: State, row: Array) -> None:
+        """Motion of the block as a whole."""
+        motion = state.rigid_motion(self._stepper.system, self._member.number)
+        self._write_motion(motion, row)
 
-        Then nothing is written.
-        """
+    def _write_slip(self, memory: Memory, row: Array) -> bool:
+        """Slip, by the block's own points; False, and nothing, where a reference is unknown."""
         slip = np.empty(self._reference.shape[1])
         meshed.mean_slip(*self._points(memory), self._reference, slip)
         if math.isnan(slip[0]):
             return False
-        self._slip, at = slip, self._at
-        motion = state.rigid_motion(self._stepper.system, self._member.number)
-        self._write_motion(motion, row)
-        row[self._forces] = np.add.reduce(memory.force)
-        row[at.slip_m] = slip[0]
-        if len(slip) == 2:
-            row[at.slip_second_m] = slip[1]
+        row[self._slips] = self._slip = slip
         return True
 
     def _points(self, memory: Memory) -> tuple[Array, Array, Mask, float]:
@@ -229,18 +207,15 @@ class BlockObserver:
         By its own interface and those others that bear it. Where it has lost its carrier the
         foundation is level.
         """
-        own = self._member.contacts[0]
-        force = np.asarray(state.contacts[own].force.sum(axis=0), dtype=np.float64)
-        carrier = self._links[own].interface.carrier
-        frame = carrier.frame
+        force = np.asarray(state.contacts[self._number].force.sum(axis=0), dtype=np.float64)
+        frame = given = self._interface.carrier.frame
         if lost:
-            assert isinstance(carrier, Face)
-            frame = carrier.reference_frame
-            force = frame @ (force @ carrier.frame)
+            frame = level_frame(len(force))
+            force = frame @ (force @ given)
         for number in others:
             link = self._links[number]
             sign = 1.0 if link.body == self._member.number else -1.0
-            if number in self._beside and not self._bears(link, state.contacts[number], sign):
+            if not (link.stands or self._bears(link, state.contacts[number], sign)):
                 continue
             pushed = in_space(state.contacts[number].force, state.contacts[number].kinematics.frame)
             force = force + sign * pushed.sum(axis=0) @ frame.T
@@ -261,7 +236,7 @@ class BlockObserver:
         As far from those that touch as in the block: a tilted block has its base foreshortened.
         """
         interface = self._interface
-        memory = state.contacts[self._member.contacts[0]]
+        memory = state.contacts[self._number]
         carrier, points = interface.carrier, interface.points
         level = carrier.reference_frame if isinstance(carrier, Face) else carrier.frame
         along = points.reference @ level[1:].T

@@ -72,9 +72,7 @@ class PairObserver:
         self._ground = len(members)
         self._times = [_crossing_time(member.spec, scene) for member in members]
         numbers = {name: k for k, name in enumerate(self.names)}
-        self._homes = {
-            (k, numbers[member.spec.carrier]) for k, member in enumerate(members) if member.contacts
-        }
+        self._homes = {(k, numbers[member.spec.carrier]) for k, member in enumerate(members)}
         self._homes |= {(other, one) for one, other in self._homes}
         self._open: dict[tuple[int, int], Collision] = {}
         self._slips: dict[tuple[int, int], Array] = {}

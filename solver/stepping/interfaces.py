@@ -12,7 +12,7 @@ from solver.contact.carriers import Face
 from solver.contact.edge_crossings import CrossingInterface, Crossings
 from solver.contact.interface import carry_over, rotate_frame
 from solver.contact.memory import Memory
-from solver.contact.pairs import ContactPair, Link, MeetingPair
+from solver.contact.pairs import ContactPair, Link
 from solver.stepping.state import State
 from solver.stepping.system import System
 from solver.types import Array
@@ -174,7 +174,7 @@ class Interfaces:
             for link, memory in zip(links, contacts, strict=True)
         ):
             ahead = state.u + 0.5 * dt * state.v
-        bodies, elsewhere = BodiesInStep(self._system, state, dt), self._elsewhere(active)
+        bodies = BodiesInStep(self._system, state, dt)
         found = []
         for number, (link, memory) in enumerate(zip(links, contacts, strict=True)):
             if memory.clear:
@@ -196,24 +196,17 @@ class Interfaces:
             carrier = None
             if link.carrier is not None and link.interface.carrier.turns:
                 carrier = self._system.rotation(ahead, link.carrier)
-            memory, lost = rotate_frame(
-                link.interface,
-                memory,
-                bodies.rotation(link.body),
-                carrier,
-                elsewhere=number in elsewhere,
-            )
+            own = bodies.rotation(link.body)
+            memory, lost = rotate_frame(link.interface, memory, own, carrier)
             exchanged += lost
             found.append(memory)
         return StepStart(active, found, exchanged)
 
-    def _elsewhere(self, active: Active) -> set[int]:
-        """Numbers of the interfaces of bodies that meet with other faces than those."""
-        found: set[int] = set()
-        for pair, own in zip(self._pairs, active, strict=True):
-            if isinstance(pair, MeetingPair) and own is not None:
-                found.update(pair.homes)
-        return found
+    def numbers(self, active: Active, pair: int) -> range:
+        """Numbers of the interfaces of a pair among those that are active."""
+        by_pair = self._by_pair(active)
+        first = sum(map(len, by_pair[:pair]))
+        return range(first, first + len(by_pair[pair]))
 
     def _joined(self, state: State, active: Active) -> list[Memory]:
         """Memories of the interfaces when more or others are active than in a state."""
