@@ -11,7 +11,7 @@ import numpy as np
 from geometry.foundation import level_frame
 from solver.bodies.kinematics import RigidMotion
 from solver.build.assembly import BlockBody
-from solver.contact.body_points import Key, NitschePoints
+from solver.contact.body_points import Key, NitschePoints, SurfaceState
 from solver.contact.carriers import Face
 from solver.contact.kinematics import in_space
 from solver.contact.memory import Memory
@@ -57,6 +57,7 @@ class BlockObserver:
         self._number, self._others = 0, list[int]()
         self._take(stepper.links)
         self._home = self._faces(state)
+        self._home_carrier = stepper.links[self._number].interface.carrier
         self._own = stepper.system.slices[member.number]
         d = stepper.system.dimension
         self._angles, self._slip = np.zeros(1 if d == 2 else 4), np.zeros(d - 1)
@@ -131,25 +132,32 @@ class BlockObserver:
         if links[self._number].interface is not self._interface:
             self._set_interface()
             self._order_reference()
-        lost = self._faces(state) != self._home  # it meets another face of what carried it
         self._write_whole(state, row)
-        if lost:
+        carrier, place = self._interface.carrier, memory.kinematics.carrier
+        if self._faces(state) != self._home:  # it meets another face of what carried it
             row[self._slips] = self._slip
+            carrier, place = self._home_carrier, self._home_place(state)
         elif not self._write_slip(memory, row):
             self._set_reference(memory)
             self._write_slip(memory, row)
-        lost = lost or (self._carrier is not None and self._lost_its_carrier(state))
+        lost = self._carrier is not None and self._lost_its_carrier(state)
         corners = self._corner_positions(state)
-        height = corners[:, -1]
-        if not lost:
-            carrier = self._interface.carrier
-            height = carrier.kinematics(corners, memory.kinematics.carrier).place[:, 0]
+        height = corners[:, -1] if lost else carrier.kinematics(corners, place).place[:, 0]
         row[self._gaps] = height
         numbers = self._number, *others
         row[self._at.penetration_m] = max(self._penetration(state, n) for n in numbers)
         row[self._forces] = np.add.reduce(memory.force)
-        if others or lost:
-            row[self._forces] = self._force(state, others, lost)
+        if others or lost or carrier is not self._interface.carrier:
+            frame = level_frame(len(self._forces)) if lost else carrier.frame
+            row[self._forces] = self._force(state, others, frame)
+
+    def _home_place(self, state: State) -> SurfaceState | None:
+        """Where the face is that carries the block at the start, whose frame is turned there."""
+        link, face, system = self._links[self._number], self._home_carrier, self._stepper.system
+        if link.carrier is not None:
+            face.rotate_frame(state.rigid_motion(system, link.carrier).rotation)
+        part = system.part(state.u, link.carrier)
+        return None if face.points is None else face.points.observe(part)
 
     def _write_whole(self, state: State, row: Array) -> None:
         """Motion of the block as a whole."""
@@ -201,16 +209,15 @@ class BlockObserver:
         inside = self._links[number].interface.inside(memory)
         return meshed.penetration(memory.kinematics.place, inside)
 
-    def _force(self, state: State, others: Sequence[int], lost: bool) -> Array:
-        """Normal and tangential force on the block, in the frame of what carries it, N.
+    def _force(self, state: State, others: Sequence[int], frame: Array) -> Array:
+        """Normal and tangential force on the block in a frame, N.
 
         By its own interface and those others that bear it. Where it has lost its carrier the
         foundation is level.
         """
-        force = np.asarray(state.contacts[self._number].force.sum(axis=0), dtype=np.float64)
-        frame = given = self._interface.carrier.frame
-        if lost:
-            frame = level_frame(len(force))
+        force = np.add.reduce(state.contacts[self._number].force)
+        given = self._interface.carrier.frame
+        if given is not frame:
             force = frame @ (force @ given)
         for number in others:
             link = self._links[number]

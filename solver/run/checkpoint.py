@@ -39,6 +39,7 @@ TYPES = {
     "solver.bodies.kinematics": ("RigidMotion",),
     "solver.contact.body_points": ("PointState",),
     "solver.contact.nitsche_points": ("NitscheState",),
+    "solver.contact.pairs": ("ActiveFaces",),
     "solver.contact.memory": ("Memory",),
     "solver.contact.kinematics": (
         "ClosestPoints",
