@@ -11,7 +11,7 @@ import pytest
 from processes import on_ranks
 from scenes import GRANITE
 
-from rockslip import History
+from rockslip import History, read_run
 
 SCENE = GRANITE + "[time]\nend = 3.0\nstep = 1.0e-3\n[output]\nevery = 0.1\n"
 
@@ -108,3 +108,41 @@ def test_fields_of_two_ranks_are_those_of_one(serial: Path) -> None:
         ends.append((data.points[first], data["displacement"][first]))
     assert ends[0][0] == pytest.approx(ends[1][0], abs=1e-12)
     assert ends[0][1] == pytest.approx(ends[1][1], abs=1e-9)
+
+
+DOMINOES = """
+[time]
+end = 0.66
+[[block]]
+name = "first"
+tilt_deg = 8.0
+{0}
+[[block]]
+name = "second"
+offset = 0.4
+{0}
+""".format(
+    'model = "elastic"\nyoung = 5e10\npoisson = 0.2\ncells = [2, 12]\n'
+    "width = 0.1\nheight = 1.0\nmass = 200.0\nfriction = 0.5"
+)
+
+
+@pytest.mark.mpi
+def test_meshed_neighbours_collide_on_two_ranks_as_on_one(tmp_path: Path) -> None:
+    """To 1e-8 up to the second collision, and the impulse of the first."""
+    (tmp_path / "scene.toml").write_text(DOMINOES, encoding="utf-8")
+    for ranks in (1, 2):
+        done = rockslip_on(ranks, tmp_path, "-o", f"ranks{ranks}")
+        assert done.returncode == 0, done.stderr
+    one, many = (History.read(tmp_path / f"ranks{ranks}" / "history.csv") for ranks in (1, 2))
+    assert len(one) == len(many)
+    met = [read_run(tmp_path / f"ranks{ranks}").history.events for ranks in (1, 2)]
+    first, second = ([e for e in events if e.kind == "collision"] for events in met)
+    assert len(first) > 1 and first[0].time_s == pytest.approx(0.606, abs=1e-3)
+    assert second[0].time_s == pytest.approx(first[0].time_s, abs=1e-10)
+    assert second[0].impulse_Ns == pytest.approx(first[0].impulse_Ns, rel=1e-7)
+    rows = one["time_s"] <= first[1].time_s
+    for name in ("first", "second"):
+        for column in ("angle_rad", "slip_m", "centre_x_m", "centre_y_m"):
+            key = f"{name}.{column}"
+            np.testing.assert_allclose(many[key][rows], one[key][rows], rtol=0, atol=1e-8)
