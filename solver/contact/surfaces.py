@@ -23,7 +23,7 @@ from solver.contact.hull import Hull
 from solver.contact.interface import Interface
 from solver.contact.nitsche_points import contact_points
 from solver.scene import Bed, ContactSpec, FrictionSpec
-from solver.types import Array, Indices
+from solver.types import Array
 
 BOX_FACES: dict[int, dict[FacetTag, tuple[int, ...]]] = {
     2: {
@@ -156,8 +156,8 @@ def nitsche_points(
 def nodes_at(body: ElasticBody, places: Array) -> NodePoints:
     """The nodes of a meshed body at some undeformed places, (n, d), m; collective."""
     space, scale = body.space, extent(body.space.mesh)
-    off = np.abs(body.nodes[:, None] - places[None]).max(axis=2) if len(body.nodes) else None
-    rows, which = np.nonzero(off < 1e-6 * scale) if off is not None else (_NONE, _NONE)
+    off = np.abs(body.nodes[:, None] - places[None]).max(axis=2)
+    rows, which = np.nonzero(off < 1e-6 * scale)
     start = space.dofmap.index_map.local_range[0]
     found = space.mesh.comm.allgather((rows + start, which, body.nodes[rows]))
     numbers, which, positions = (np.concatenate(part) for part in zip(*found, strict=True))
@@ -165,9 +165,6 @@ def nodes_at(body: ElasticBody, places: Array) -> NodePoints:
     assert np.array_equal(which[order], np.arange(len(places)))
     rank, where, layer = shared_layer(space, numbers[order], positions[order], scale)
     return NodePoints(body, layer, where, chosen=rank)
-
-
-_NONE: Indices = np.zeros(0, dtype=np.int64)
 
 
 def rigid_points(body: RigidBox, carrier: Carrier) -> tuple[Array, Array]:
