@@ -312,6 +312,14 @@ class FacePair:
             faces |= before.faces
         return self._keep(ActiveFaces(tag, number, faces), bodies, slack)
 
+    def overlaps(self, bodies: Bodies, active: ActiveFaces | None) -> bool:
+        """True if the bodies are in one another, though no faces of theirs were active so far."""
+        if active is not None or self._stays(bodies, active):
+            return False
+        (now, _, _), _ = self._placed(bodies)
+        size = min(self._first.hull.size, getattr(self._second.hull, "size", np.inf))
+        return float(now.max()) < -HELD * size
+
     def _numbers(self, meeting: ActiveFaces | None, count: int) -> list[int]:
         """The faces of a meeting by their numbers among the gaps; `count`: those of the first."""
         if meeting is None:

@@ -99,13 +99,16 @@ def _centre(spec: BlockSpec, dimension: int) -> Array:
     return np.array([*[0.0] * (dimension - 1), spec.height / 2])
 
 
-def refuse_places(blocks: Sequence[BlockSpec], dimension: Dimension, *, endless: bool) -> None:
+def refuse_places(
+    blocks: Sequence[BlockSpec], dimension: Dimension, top: Sequence[float] | None
+) -> None:
     """Refuse blocks that stand uneven, reach into the foundation, or overlap at the start.
 
     Args:
         blocks: All of a scene, as in `poses`.
         dimension: Of space.
-        endless: True if the foundation has no ends beyond which a block may hang over.
+        top: Sides of the foundation's top, m, beyond which a block may hang over; None: it has no
+            ends.
 
     Raises:
         Statement: Names the blocks, and levels or depth.
@@ -120,7 +123,9 @@ def refuse_places(blocks: Sequence[BlockSpec], dimension: Dimension, *, endless:
             _refuse_uneven(spec, tops)
             _refuse_short(spec, tops, halves)
         depth = -placed[spec.name](np.array(spec.shape.corners(dimension)))[:, -1].min()
-        if depth > ROUND_OFF * spec.shape.half_diagonal and (endless or spec.position is not None):
+        if top is not None and depth > 0:
+            depth = min(depth, _depth_in(top, spec, placed[spec.name], dimension))
+        if depth > ROUND_OFF * spec.shape.half_diagonal:
             key = "offset" if spec.position is None else "position"
             said = f"reaches into the foundation by {depth:.4g} m at the start: move it ({key})"
             raise Statement(f"block {spec.name}", said)
@@ -130,6 +135,15 @@ def refuse_places(blocks: Sequence[BlockSpec], dimension: Dimension, *, endless:
             f"overlap by {depth:.4g} m at the start: move one (offset or position), or let one "
             f"carry the other (on)",
         )
+
+
+def _depth_in(top: Sequence[float], spec: BlockSpec, pose: Pose, dimension: Dimension) -> float:
+    """How deep a block is in a foundation with ends, taken as deep as wide, m."""
+    half = 0.5 * np.array([*top[: dimension - 1], top[0]])
+    middle = np.zeros((1, dimension))
+    middle[0, -1] = -half[-1]
+    slab = Boxes(half=half, centres=middle, frames=np.eye(dimension)[None])
+    return float(overlap_depth(slab, _box(spec, pose, dimension))[0])
 
 
 def _refuse_uneven(spec: BlockSpec, tops: Mapping[str, Pose]) -> None:

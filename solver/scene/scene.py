@@ -105,7 +105,7 @@ class Scene(Checked):
         if len(self.blocks) > 1 or self.blocks[0].position is not None:
             from solver.scene.places import refuse_places  # needs numpy, other scenes do not
 
-            refuse_places(self.order, self.dimension, endless=self.foundation.top is None)
+            refuse_places(self.order, self.dimension, self.foundation.top)
         self.check_limits(shaking=0.0)
 
     def _each_block(self, change: Callable[[BlockSpec], BlockSpec]) -> tuple[BlockSpec, ...]:

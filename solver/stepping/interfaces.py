@@ -12,7 +12,7 @@ from solver.contact.carriers import Face
 from solver.contact.edge_crossings import CrossingInterface, Crossings
 from solver.contact.interface import carry_over, rotate_frame
 from solver.contact.memory import Memory
-from solver.contact.pairs import ContactPair, Link
+from solver.contact.pairs import ContactPair, FacePair, Link
 from solver.stepping.state import State
 from solver.stepping.system import System
 from solver.types import Array
@@ -139,6 +139,17 @@ class Interfaces:
             pair.active(bodies, own) for pair, own in zip(self._pairs, known, strict=True)
         )
         return before if before is not None and found == before else found
+
+    def overlap(self, state: State) -> bool:
+        """True if bodies have come to overlap in the step that led to a state, unawares.
+
+        What strikes them in a step may send them farther than their velocities told.
+        """
+        bodies = BodiesInStep(self._system, state, 0.0)
+        return any(
+            isinstance(pair, FacePair) and pair.overlaps(bodies, own)
+            for pair, own in zip(self._pairs, state.active, strict=True)
+        )
 
     def fresh(self, active: Active, state: State) -> list[Memory]:
         """Memories without contact forces in a state."""

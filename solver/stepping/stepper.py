@@ -325,6 +325,9 @@ class Stepper:
             reversal=correction.reversal,
             damped_until=end + self.scheme.damped_time if changed else state.damped_until,
         )
+        if self._interfaces.overlap(new):
+            self._join(state.active)
+            raise StepFailed("bodies that were far apart have come to overlap")
         averaged = numerical_loss(sums, self.links, old=old, new=contacts, skew=step.scheme.skew)
         exchange = Exchange(
             input=-float(sums.moved @ self.mean_base(state.time, dt)),
