@@ -13,6 +13,10 @@ CELL_STEPS = 20000
 """Cells times steps of a scene: what keeps it short."""
 
 
+CROSSINGS = 1000
+"""Times that sound crosses the smallest of meshed neighbours in a scene, at most."""
+
+
 def draw(count: int, seed: int, *, later_keys: bool = True) -> list[StabilityCase]:
     """The first so many random scenes of a seed; a scene does not depend on how many follow it.
 
@@ -47,6 +51,14 @@ def _with_later_keys(seed: int, number: int) -> Tables:
         for block in scene["block"]:
             block.pop("restitution", None)
         _add_neighbours(random, scene, meshed=True)
+        if "step" not in scene["time"]:  # adaptive steps follow the waves
+            crossings = (
+                min(block["width"], block["height"]) * math.sqrt(block["density"] / block["young"])
+                for block in scene["block"]
+                if block["model"] == "elastic"
+            )
+            longest = CROSSINGS * min(crossings, default=math.inf)
+            scene["time"]["end"] = min(scene["time"]["end"], longest)
     return scene
 
 
