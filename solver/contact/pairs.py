@@ -227,7 +227,7 @@ MUTUAL = -0.9
 bodies have turned a good deal."""
 
 TURN = 0.1
-"""Angle by which they may turn before that, rad."""
+"""Sum of the entries of the rotations by which they may turn before that."""
 
 BESIDE_CARRIED, BESIDE_BELOW = 1e-5, -1e-6
 """Part of a facet: up to this far beyond its edge a face carries the points of the first body, and
@@ -240,6 +240,14 @@ class FacePair:
 
     The points of the first are pressed on a face of the second, the outline of that on a face of
     the first; in space, edges cross.
+
+    Attributes:
+        on: Number of the second body; None for what is fixed to the ground.
+        turns: True if the second body turns: it is a block.
+        looked: What was found active last; None before the first look.
+        slack: Distance that both may move, together, before something else can be, m.
+        reach: Distance by which a turn by an angle moves any of their points against the other's
+            faces, at most, m.
     """
 
     def __init__(
@@ -264,22 +272,18 @@ class FacePair:
         """
         self.body: int | None = first.number
         self.on = second.number
+        self.turns = isinstance(second, BlockSurface)
         self._first, self._second, self._law, self._bed = first, second, law, bed
         self._stands = stands
-        self._known: tuple[ActiveFaces | None, list[RigidMotion], float] | None = None
+        self.looked: tuple[ActiveFaces | None] | None = None
+        self.slack = self.reach = 0.0
         self._lower: dict[int, Carrier] = {}  # faces of the second body
         self._outlines: dict[tuple[int, int], list[Interface]] = {}
-
-    def is_home(self, active: ActiveFaces) -> bool:
-        """True if the first body meets the face of the second that it stands on at the start."""
-        return active.second == self._second.tags[self._second.top]
 
     # ------------------------------------------------------------- which faces
 
     def active(self, bodies: Bodies, before: ActiveFaces | None) -> ActiveFaces | None:
         """The faces that look at each other in a step; None where the bodies are not near."""
-        if self._stays(bodies, before):
-            return before
         if before is None and self._stands:
             top = self._second.tags[self._second.top]
             before = ActiveFaces(int(FacetTag.BOTTOM), top, frozenset({int(FacetTag.BOTTOM)}))
@@ -314,7 +318,7 @@ class FacePair:
 
     def overlaps(self, bodies: Bodies, active: ActiveFaces | None) -> bool:
         """True if the bodies are in one another, though no faces of theirs were active so far."""
-        if active is not None or self._stays(bodies, active):
+        if active is not None:
             return False
         (now, _, _), _ = self._placed(bodies)
         size = min(self._first.hull.size, getattr(self._second.hull, "size", np.inf))
@@ -345,44 +349,17 @@ class FacePair:
             found.append((gaps(one, other), one, other))
         return found[0], found[1]
 
-    def _keep(
-        self, meeting: ActiveFaces | None, bodies: Bodies, slack: float
-    ) -> ActiveFaces | None:
-        """A meeting that stays for as long as bodies move by less than half a slack, m."""
-        self._known = meeting, self._motions(bodies), 0.5 * slack
-        return meeting
-
-    def _motions(self, bodies: Bodies) -> list[RigidMotion]:
-        """Motions of both bodies as a whole; a floor counts as still."""
-        own = [bodies.motion(self._first.number)]
+    def _keep(self, active: ActiveFaces | None, bodies: Bodies, slack: float) -> ActiveFaces | None:
+        """What is active for as long as bodies move by less than half a slack, m."""
+        d, size = self._first.dimension, self._first.hull.size
+        middle = self._first.body.centre + bodies.motion(self._first.number).moved
         if isinstance(self._second, BlockSurface):
-            own.append(bodies.motion(self._second.number))
-        return own
-
-    def _stays(self, bodies: Bodies, before: ActiveFaces | None) -> bool:
-        """True if bodies have moved so little since faces were looked at that the same are."""
-        if self._known is None or self._known[0] != before:
-            return False
-        _, then, slack = self._known
-        moved = turned = 0.0
-        reach = self._reach(bodies)
-        for now, was in zip(self._motions(bodies), then, strict=True):
-            spin = float(np.abs(now.spin).sum())
-            moved += float(np.abs(now.moved - was.moved).sum())
-            moved += bodies.step * (float(np.abs(now.velocity).sum()) + reach * spin)
-            turned += float(np.abs(now.rotation - was.rotation).sum()) + bodies.step * spin
-        return moved + reach * turned < slack and turned < TURN
-
-    def _reach(self, bodies: Bodies) -> float:
-        """Farthest distance of a point of either body from the middle of the other, at most, m."""
-        d, own = self._first.dimension, self._motions(bodies)
-        radius = d**0.5 * self._first.hull.size
-        if isinstance(self._second, BlockSurface):
-            radius += d**0.5 * self._second.hull.size
-            middles = (self._first.body.centre, self._second.body.centre)
-            apart = middles[0] + own[0].moved - middles[1] - own[1].moved
-            radius += float(np.abs(apart).sum())
-        return radius
+            size += self._second.hull.size
+            other = self._second.body.centre + bodies.motion(self._second.number).moved
+            size += float(np.abs(middle - other).max())
+        self.looked, self.slack = (active,), 0.5 * slack
+        self.reach = d**0.5 * size + self.slack
+        return active
 
     # ------------------------------------------------------------- interfaces
 
