@@ -13,6 +13,7 @@ from benchmarks.stability.scenes import (
     FRAME,
     IN_SPACE,
     LANDING,
+    MESHED_NEIGHBOURS,
     MESHES,
     MODELS,
     MODULI,
@@ -366,6 +367,24 @@ FAMILIES: tuple[StabilityFamily, ...] = (
         base=NEIGHBOURS,
         rows=ASIDE,
         columns=over("contact.friction", (0.0, 0.1, 1.0, 10.0, 1000.0)),
+    ),
+    StabilityFamily(
+        name="stiffness of elastic neighbours",
+        base=MESHED_NEIGHBOURS,
+        rows=ASIDE,
+        columns=over("block.young", (1e7, 1e8, 1e10, 1e12)),
+    ),
+    StabilityFamily(
+        name="gap between elastic and rigid neighbours",
+        base=MESHED_NEIGHBOURS,
+        rows={
+            "elastic": {},
+            "middle rigid": {"middle.model": "rigid"},
+            "middle elastic": {"left.model": "rigid", "right.model": "rigid"},
+            "on a plate": {"foundation": PLATE},
+            "default steps": {"time.step": None},
+        },
+        columns=gaps(0.0, 1e-9, 1e-6, 1e-3, 0.1),
     ),
     StabilityFamily(
         name="slip beside the reference",

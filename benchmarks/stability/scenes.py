@@ -75,6 +75,16 @@ NEIGHBOURS: Tables = {
 }
 """Three rigid blocks side by side, 1 cm apart, which rock and strike each other."""
 
+MESHED_NEIGHBOURS: Tables = {
+    **NEIGHBOURS,
+    "block": [
+        {**block, "model": "elastic", "young": 1e9, "poisson": 0.2, "cells": [2, 6]}
+        for block in NEIGHBOURS["block"]
+    ],
+    "time": {"end": 0.3, "step": 5e-4},
+}
+"""The same of elastic blocks."""
+
 PLATFORM = {"kind": "oscillator", "mass_ratio": 2.0, "period": 0.5, "damping_ratio": 0.05}
 
 FALLING = {"static": 0.6, "dynamic": 0.3, "decay": 20.0}
