@@ -59,7 +59,7 @@ class Bodies(Protocol):
         """Owned unknowns of a body; None for the ground."""
 
     def ahead(self, body: int | None) -> Array | None:
-        """Those expected at the end of the step."""
+        """Owned unknowns of a body expected at the end of the step; None for the ground."""
 
     def rotation(self, body: int | None) -> Array:
         """Rotation of a body, (d, d)."""

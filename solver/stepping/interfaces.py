@@ -82,7 +82,7 @@ class BodiesInStep:
         return self._system.part(self._state.u, body)
 
     def ahead(self, body: int | None) -> Array | None:
-        """Those expected at the end of the step."""
+        """Owned unknowns of a body expected at the end of the step; None for the ground."""
         if self._ahead is None:
             self._ahead = self._state.u + self.step * self._state.v
         return self._system.part(self._ahead, body)

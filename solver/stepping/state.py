@@ -143,7 +143,7 @@ class Push(NamedTuple):
         return np.asarray(self.moment / self.pressed, dtype=np.float64)
 
     def reversed(self) -> Push:
-        """The same as what the carrier receives."""
+        """What the interface did, as the carrier receives it."""
         return self._replace(
             body=self.carrier,
             carrier=self.body,

@@ -41,7 +41,7 @@ from solver.stepping.reactions import (
     standing_forces,
     with_impulses,
 )
-from solver.stepping.state import Exchange, GroundForces, RotationPrediction, State
+from solver.stepping.state import Exchange, GroundForces, Push, RotationPrediction, State
 from solver.stepping.system import System
 from solver.types import Array
 
@@ -338,18 +338,19 @@ class Stepper:
             numerical=averaged,
             iterations=solution.outcome.iterations,
             ground=ground,
-            pushes=pushes(
-                self.links,
-                old,
-                solution.contacts,
-                correction.impulse,
-                dt,
-                homes=self.tells_pushes == "all",
-            )
-            if self.tells_pushes
-            else (),
+            pushes=self._pushes(step, solution, correction),
         )
         return new, exchange
+
+    def _pushes(
+        self, step: Step, solution: StepSolution, correction: VelocityCorrection
+    ) -> Sequence[Push]:
+        """What interfaces did in a step, as far as it is told."""
+        if not self.tells_pushes:
+            return ()
+        ends = step.start.contacts, solution.contacts
+        homes = self.tells_pushes == "all"
+        return pushes(self.links, *ends, correction.impulse, step.dt, homes=homes)
 
     def _velocity_correction(
         self, u: Array, v: Array, solution: StepSolution, step: Step, rubbed: float
