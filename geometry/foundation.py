@@ -11,17 +11,21 @@ import numpy as np
 from solver.types import Array
 
 
-def level_frame(dimension: int, up: float = 1.0) -> Array:
-    """Rows normal and tangents of a level face that points up, or down with `up` = -1, (d, d).
+def face_frame(normal: Array) -> Array:
+    """Rows normal and tangents of a face with an outward unit normal along an axis, (d, d).
 
-    In the plane the tangent is the normal turned clockwise; in space the first one is +x, and the
-    frame is right-handed.
+    In the plane the tangent is the normal turned clockwise: +x on a top. In space the frame is
+    right-handed, and the first tangent is +x, or +y where the normal is along x.
     """
-    frame = np.zeros((dimension, dimension))
-    frame[0, -1] = up
-    frame[1, 0] = up if dimension == 2 else 1.0
-    frame[2:, 1] = up
-    return frame
+    if len(normal) == 2:
+        return np.array([normal, [normal[1], -normal[0]]]) + 0.0
+    first = np.eye(3)[1 if abs(normal[0]) > 0.5 else 0]
+    return np.array([normal, first, np.cross(normal, first)]) + 0.0
+
+
+def level_frame(dimension: int, up: float = 1.0) -> Array:
+    """Rows normal and tangents of a level face that points up, or down with `up` = -1, (d, d)."""
+    return face_frame(up * np.eye(dimension)[-1])
 
 
 def _refuse_what_is_not_positive(shape: Plate | Frame, names: tuple[str, ...]) -> None:

@@ -17,9 +17,7 @@ from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.rigid_body import RigidBox, rigid_box
 from solver.build.foundation import FoundationBody, foundation
 from solver.build.meshed_body import mesh_of_block, meshed_body
-from solver.contact.body_points import RigidPoints
 from solver.contact.carriers import Face
-from solver.contact.interface import Interface
 from solver.contact.pairs import (
     ContactPair,
     FacePair,
@@ -27,7 +25,7 @@ from solver.contact.pairs import (
     FloorSurface,
     MeshedContactPair,
 )
-from solver.contact.surfaces import BlockSurface, rigid_points
+from solver.contact.surfaces import BlockSurface
 from solver.excitation.motion import GroundMotion, read_ground
 from solver.scene import BlockSpec, Scene
 from solver.scene.places import stands
@@ -165,8 +163,7 @@ def _standing(
             on=on,
             bed=bed,
         )
-    points = RigidPoints(member.body, *rigid_points(member.body, carrier))
-    interface = Interface(points, carrier, law, bed=bed)
+    interface = member.surface.over(carrier, law, frozenset(), bed=bed)
     return FixedContactPair(interface, body=member.number, on=on)
 
 

@@ -54,6 +54,8 @@ class Hull:
 class Floor:
     """The one level face of what carries blocks and has no other that they can touch."""
 
+    size = np.inf
+
     def __init__(self, points: FacePoints | None, dimension: int):
         """Take points of the face; None for the ground, at level 0."""
         self.points, self._d = points, dimension

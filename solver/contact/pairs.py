@@ -7,6 +7,7 @@ or overlap least (the separating axis theorem).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
@@ -274,7 +275,7 @@ class FacePair:
         self.on = second.number
         self.turns = isinstance(second, BlockSurface)
         self._first, self._second, self._law, self._bed = first, second, law, bed
-        self._stands = stands
+        self._stands, self._size = stands, min(first.hull.size, second.hull.size)
         self.looked: tuple[ActiveFaces | None] | None = None
         self.slack = self.reach = 0.0
         self._lower: dict[int, Carrier] = {}  # faces of the second body
@@ -287,8 +288,9 @@ class FacePair:
         if before is None and self._stands:
             top = self._second.tags[self._second.top]
             before = ActiveFaces(int(FacetTag.BOTTOM), top, frozenset({int(FacetTag.BOTTOM)}))
-        (now, first, second), (ahead, _, _) = self._placed(bodies)
-        size = min(self._first.hull.size, getattr(self._second.hull, "size", np.inf))
+        now, first, second = self._placed(bodies.unknowns)
+        ahead, _, _ = self._placed(bodies.ahead)
+        size = self._size
         near = NEAR * size * (1.0 if before is None else 2.0)
         apart = float(np.minimum(now, ahead).max())  # bodies may pass one another in a step
         if apart > near:
@@ -320,9 +322,8 @@ class FacePair:
         """True if the bodies are in one another, though no faces of theirs were active so far."""
         if active is not None:
             return False
-        (now, _, _), _ = self._placed(bodies)
-        size = min(self._first.hull.size, getattr(self._second.hull, "size", np.inf))
-        return float(now.max()) < -HELD * size
+        now, _, _ = self._placed(bodies.unknowns)
+        return float(now.max()) < -HELD * self._size
 
     def _numbers(self, meeting: ActiveFaces | None, count: int) -> list[int]:
         """The faces of a meeting by their numbers among the gaps; `count`: those of the first."""
@@ -339,15 +340,12 @@ class FacePair:
         return min(float(best) - most, -most) if np.isfinite(most) else np.inf
 
     def _placed(
-        self, bodies: Bodies
-    ) -> tuple[tuple[Array, PlacedHull, PlacedHull], tuple[Array, PlacedHull, PlacedHull]]:
-        """Gaps and hulls, now and after the step."""
-        found = []
-        for unknowns in (bodies.unknowns, bodies.ahead):
-            one = self._first.hull.placed(unknowns(self.body))
-            other = self._second.hull.placed(unknowns(self.on))
-            found.append((gaps(one, other), one, other))
-        return found[0], found[1]
+        self, unknowns: Callable[[int | None], Array | None]
+    ) -> tuple[Array, PlacedHull, PlacedHull]:
+        """Gaps and hulls for the owned unknowns of bodies."""
+        one = self._first.hull.placed(unknowns(self.body))
+        other = self._second.hull.placed(unknowns(self.on))
+        return gaps(one, other), one, other
 
     def _keep(self, active: ActiveFaces | None, bodies: Bodies, slack: float) -> ActiveFaces | None:
         """What is active for as long as bodies move by less than half a slack, m."""

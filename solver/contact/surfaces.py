@@ -6,6 +6,7 @@ import numpy as np
 from dolfinx import mesh
 
 from geometry.block import FACES
+from geometry.foundation import face_frame
 from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.rigid_body import RigidBox
@@ -44,18 +45,6 @@ BOX_FACES: dict[int, dict[FacetTag, tuple[int, ...]]] = {
     ),
 }
 """Corners around each face of a block, anticlockwise from outside, as `Block.corners` has them."""
-
-
-def face_frame(normal: Array) -> Array:
-    """Rows normal and tangents of a face with an outward unit normal along an axis, (d, d).
-
-    In the plane the tangent is the normal turned clockwise: +x on a top. In space the frame is
-    right-handed, and the first tangent is +x, or +y where the normal is along x.
-    """
-    if len(normal) == 2:
-        return np.array([normal, [normal[1], -normal[0]]])
-    first = np.eye(3)[1 if abs(normal[0]) > 0.5 else 0]
-    return np.array([normal, first, np.cross(normal, first)])
 
 
 class BlockSurface:

@@ -132,7 +132,8 @@ class BlockObserver:
         if links[self._number].interface is not self._interface:
             self._set_interface()
             self._order_reference()
-        self._write_whole(state, row)
+        system, number = self._stepper.system, self._member.number
+        self._write_motion(state.rigid_motion(system, number), row)
         carrier, place = self._interface.carrier, memory.kinematics.carrier
         if self._faces(state) != self._home:  # it meets another face of what carried it
             row[self._slips] = self._slip
@@ -158,11 +159,6 @@ class BlockObserver:
             face.rotate_frame(state.rigid_motion(system, link.carrier).rotation)
         part = system.part(state.u, link.carrier)
         return None if face.points is None else face.points.observe(part)
-
-    def _write_whole(self, state: State, row: Array) -> None:
-        """Motion of the block as a whole."""
-        motion = state.rigid_motion(self._stepper.system, self._member.number)
-        self._write_motion(motion, row)
 
     def _write_slip(self, memory: Memory, row: Array) -> bool:
         """Slip, by the block's own points; False, and nothing, where a reference is unknown."""

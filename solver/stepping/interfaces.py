@@ -293,12 +293,6 @@ class Interfaces:
             found.append(memory)
         return StepStart(active, found, exchanged)
 
-    def numbers(self, active: Active, pair: int) -> range:
-        """Numbers of the interfaces of a pair among those that are active."""
-        by_pair = self._by_pair(active)
-        first = sum(map(len, by_pair[:pair]))
-        return range(first, first + len(by_pair[pair]))
-
     def _joined(self, state: State, active: Active) -> list[Memory]:
         """Memories of the interfaces when more or others are active than in a state."""
         known, memories = {}, iter(state.contacts)
@@ -308,24 +302,20 @@ class Interfaces:
         found = []
         for number, links in enumerate(self._by_pair(active)):
             for role, link in enumerate(links):
-                old, memory = known.get((number, role), (None, None))
-                if old is not None and memory is not None and old.interface is link.interface:
-                    found.append(memory)
+                if (number, role) not in known:
+                    found.append(self._fresh(link, state))
                     continue
-                fresh = self._fresh(link, state)
-                if old is not None and memory is not None and follows(old, link):
-                    fresh = carry_over(memory, old.interface, link.interface, fresh)
-                found.append(fresh)
+                old, memory = known[number, role]
+                if old.interface is not link.interface:
+                    fresh = self._fresh(link, state)
+                    if follows(old, link):
+                        fresh = carry_over(memory, old.interface, link.interface, fresh)
+                    memory = fresh
+                found.append(memory)
         return found
 
 
 def follows(old: Link, new: Link) -> bool:
     """True if points of one interface are points of another one, over the same face."""
-    faces = old.interface.carrier, new.interface.carrier
-    if old.interface.corners is None:
-        return False
-    return faces[0] is faces[1] or (
-        isinstance(faces[0], Face)
-        and isinstance(faces[1], Face)
-        and bool(np.array_equal(faces[0].reference_frame, faces[1].reference_frame))
-    )
+    same = old.interface.carrier is new.interface.carrier
+    return same and old.interface.corners is not None
