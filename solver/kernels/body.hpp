@@ -30,7 +30,8 @@ template <int d> struct Body {
     Mobility mobility = Mobility::FREE;
     double mass = 1;                // kg
     double thickness = 1;           // of a body in the plane, m
-    Vec<Dim<d>::rotations> inertia{};  // principal moments about the centre, kg m2
+    Mat<rotations, rotations> inertia{};  // about the centre and the body's own axes, kg m2
+    Mat<rotations, rotations> inverse_inertia{};
     double stiffness = 0, damping = 0;  // of a platform, N/m and N s/m
     Vec<d> spring_force{};          // p: inertia force of a platform against its spring, N
 
@@ -54,8 +55,16 @@ template <int d> struct Body {
 
     double kinetic_energy() const {
         double twice = mass * dot(v, v);
-        for (int i = 0; i < rotations; i++) twice += inertia[i] * spin[i] * spin[i];
-        return 0.5 * twice;
+        return 0.5 * (twice + dot(spin, mul(inertia, spin)));
+    }
+
+    void set_inertia(const Mat<rotations, rotations>& about_centre) {
+        inertia = about_centre;
+        inverse_inertia = {};
+        for (int i = 0; i < rotations; i++) inverse_inertia[i][i] = 1;
+        LU<rotations> factors{inertia, {}};
+        if (!factors.factorize()) throw std::invalid_argument("the inertia of a body is singular");
+        factors.solve(inverse_inertia);
     }
 };
 

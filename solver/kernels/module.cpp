@@ -38,7 +38,9 @@ template <int d> int add_body(World<d>& world, int shape, int mobility, const do
     body.thickness = *numbers++;
     body.stiffness = *numbers++;
     body.damping = *numbers++;
-    body.inertia = read<Dim<d>::rotations>(numbers);
+    Mat<Body<d>::rotations, Body<d>::rotations> inertia;
+    for (auto& row : inertia) row = read<Body<d>::rotations>(numbers);
+    body.set_inertia(inertia);
     body.spring_force = read<d>(numbers);
     body.x = read<d>(numbers);
     body.rotation.value = read<Rotation<d>::size>(numbers);

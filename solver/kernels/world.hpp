@@ -332,11 +332,12 @@ template <int d> class World {
         for (int i = 0; i < rotations; i++)
             for (int j = 0; j < rotations; j++) {
                 double direct = 0, reciprocal = 0;
-                for (int k = 0; k < rotations; k++) {
-                    const double turn = d == 2 ? 1 : R[i][k] * R[j][k];
-                    direct += turn * body.inertia[k];
-                    reciprocal += turn / body.inertia[k];
-                }
+                for (int k = 0; k < rotations; k++)
+                    for (int l = 0; l < rotations; l++) {
+                        const double turn = d == 2 ? 1 : R[i][k] * R[j][l];
+                        direct += turn * body.inertia[k][l];
+                        reciprocal += turn * body.inverse_inertia[k][l];
+                    }
                 M[d + i][d + j] = direct;
                 inverse[d + i][d + j] = reciprocal;
             }
@@ -370,10 +371,7 @@ template <int d> class World {
         } else {
             const Mat<3, 3>& R = A.start[b].at.R;
             const Vec<3> turn{A.w[b][3], A.w[b][4], A.w[b][5]}, psi = to_body(R, 0.5 * dt * turn);
-            Vec<3> L0, rule;
-            for (int i = 0; i < 3; i++) L0[i] = body.inertia[i] * psi[i];
-            const Vec<3> gyroscopic = cross(psi, L0);
-            for (int i = 0; i < 3; i++) rule[i] = 2 * body.inertia[i] * (psi[i] - dt * body.spin[i]) + gyroscopic[i];
+            Vec<3> rule = 2.0 * mul(body.inertia, psi - dt * body.spin) + cross(psi, mul(body.inertia, psi));
             LU<3> transport{{{{1, psi[2] / 2, -psi[1] / 2}, {-psi[2] / 2, 1, psi[0] / 2}, {psi[1] / 2, -psi[0] / 2, 1}}}, {}};
             transport.factorize();
             transport.solve(rule);

@@ -81,7 +81,8 @@ class Body:
     thickness: float = 1.0
     """Thickness of a body in the plane, m."""
     inertia: ArrayLike = 1.0
-    """Principal moments about the centre, kg m2: one in the plane, three in space."""
+    """Inertia about the centre, kg m2: a number in the plane; in space its tensor in the body's own
+    axes, (3, 3), or three principal moments where these are the axes."""
     stiffness: float = 0.0
     """Stiffness of a platform's spring, N/m."""
     damping: float = 0.0
@@ -274,7 +275,7 @@ class World:
         turned = body.rotation if np.any(body.rotation) else at_rest
         parts = [
             np.array([body.mass, body.thickness, body.stiffness, body.damping]),
-            np.broadcast_to(body.inertia, turns),
+            _tensor(body.inertia, turns).ravel(),
             np.broadcast_to(body.spring_force, d),
             np.broadcast_to(body.centre, d),
             np.ravel(turned),
@@ -384,6 +385,12 @@ class World:
     def restore(self, saved: Array) -> None:
         """Go back to where all stood when it was saved."""
         self._library.world_restore(self._handle, _numbers(saved))
+
+
+def _tensor(inertia: ArrayLike, turns: int) -> Array:
+    """The inertia of a body as a matrix, from its diagonal where that is given."""
+    given = np.asarray(inertia, dtype=np.float64)
+    return given if given.ndim == 2 else np.diag(np.broadcast_to(given, turns))
 
 
 def _place(values: Array) -> Any:
