@@ -2,7 +2,8 @@
 
     ./in-env python3 benchmarks/block_on_platform.py [--processes 2]
 
-The case T2 of method.md: xi 0.05, mass ratio 2, period 0.5 s, 0.4 g sin(2 pi t/0.6) for six cycles,
+The case T2 of docs/error_runtime.md: xi 0.05, mass ratio 2, period 0.5 s,
+0.4 g sin(2 pi t/0.6) for six cycles,
 6 s in all, over time steps from 2e-3 to 1e-4 s. Writes `benchmarks/block_on_platform.csv`, one row
 a run, against the event-driven reference. `alternation` is the largest second difference of the
 platform's acceleration while the block sticks, in parts of its peak: 4 would be an acceleration

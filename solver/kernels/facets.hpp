@@ -2,7 +2,7 @@
 //
 // With the shape functions N at the closest points before and after a step, the nodes x_c of the face,
 // the frame (n, t) of the step, bars for means and d for increments over the step (docs/method.md,
-// "What carries"),
+// (M27) to (M29)),
 //
 //     e = dN . mean x_c = (e_n, e_t)                increment of the closest point on the mean surface
 //     dg = (n - kappa t) . (dx - mean N dx_c),      kappa = e_n/e_t        the mean slope

@@ -56,7 +56,7 @@ def test_the_scene_is_the_one_of_the_published_numbers(demo: ModuleType) -> None
 def test_what_it_compares_with(
     demo: ModuleType, friction: float, drift: float, slip: float
 ) -> None:
-    """The numbers of an independent program (method.md, T2)."""
+    """The numbers of an independent program for T2 (docs/error_runtime.md)."""
     exact = demo.exact_numbers(demo.reference(demo.load_scene(demo.SCENE), friction))
     assert exact[0] == pytest.approx(drift, abs=6e-6)
     assert exact[1] == pytest.approx(slip, abs=6e-5)
