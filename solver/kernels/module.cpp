@@ -30,9 +30,9 @@ template <std::size_t n> void write(double*& to, const Numbers<n>& x) {
     for (double each : x) *to++ = each;
 }
 
-template <int d> int add_body(World<d>& world, int shape, int mobility, const double* numbers) {
+template <int d> int add_body(World<d>& world, const int* shapes, int parts, int mobility, const double* numbers) {
     Body<d> body;
-    body.shape = shape;
+    body.parts.assign(shapes, shapes + parts);
     body.mobility = static_cast<Mobility>(mobility);
     body.mass = *numbers++;
     body.thickness = *numbers++;
@@ -222,8 +222,8 @@ int world_polyhedron(void* handle, const double* vertices, int count, const int*
     return static_cast<int>(world.shapes.size()) - 1;
 }
 
-int world_body(void* handle, int shape, int mobility, const double* numbers) {
-    return with(handle, [&](auto& world) { return add_body(world, shape, mobility, numbers); });
+int world_body(void* handle, const int* shapes, int parts, int mobility, const double* numbers) {
+    return with(handle, [&](auto& world) { return add_body(world, shapes, parts, mobility, numbers); });
 }
 
 int world_link(void* handle, int a, int b, int axial, const double* numbers) {

@@ -110,11 +110,17 @@ template <int d> class World {
     /// To be called once, when all bodies are there.
     void begin() {
         const std::size_t count = bodies.size();
+        for (Body<d>& body : bodies) {
+            for (int i : body.parts) body.radius = std::max(body.radius, shapes[i].radius);
+            for (int i : body.parts)
+                for (int j : body.parts)
+                    if (i != j) mark_inner(shapes[i], shapes[j], COVERED * body.radius);
+        }
         double sum = 0;
         std::size_t free = 0;
         for (const Body<d>& body : bodies)
             if (body.mobility == Mobility::FREE) {
-                sum += 2 * shapes[body.shape].radius;
+                sum += 2 * body.radius;
                 free++;
             }
         size_ = free ? sum / static_cast<double>(free) : 1;
@@ -213,6 +219,7 @@ template <int d> class World {
     static constexpr double SMALLEST_PIECE = 1e-3;  // of a step, before or after an end of slip
     static constexpr double AT_END = 1e-9;          // of a step: touches this close to its ends are there
     static constexpr double ROWS = 1e-14;           // of the size in a whole step: errors of rows below are none
+    static constexpr double COVERED = 1e-9;  // of the radius of a body: parts this close touch
     static constexpr double STOPPED = 1e-6;
     static constexpr double BREAKING = 1e-9;  // of the strength of a link
     static constexpr double FRACTURE = 1e-6;  // of it, where events before change the instant
@@ -231,7 +238,7 @@ template <int d> class World {
         std::vector<int> members, listed;          // bodies that move; with all fixed ones
         std::vector<double> margin, least, way;    // by body
         std::vector<char> still, failed;
-        std::vector<PlacedShape<d>> start, other;
+        std::vector<PlacedBody<d>> start, other;
         std::vector<Placement<d>> end;
         std::vector<Motion> w, begun;
         std::vector<Square> mass, inverse_mass;
@@ -314,7 +321,7 @@ template <int d> class World {
         const Vec<d> load = gravity - ground.mean(dt);
         const double pull = norm(load), hair = INSET * size_;
         for (int b : fixed_) {
-            A.start[b].place(shapes[bodies[b].shape], bodies[b].placement());
+            A.start[b].place(shapes, bodies[b].parts, bodies[b].placement());
             A.end[b] = A.start[b].at;
             A.margin[b] = hair;
             A.still[b] = 1;
@@ -323,12 +330,12 @@ template <int d> class World {
         }
         for (int b : A.members) {
             const Body<d>& body = bodies[b];
-            A.start[b].place(shapes[body.shape], body.placement());
+            A.start[b].place(shapes, body.parts, body.placement());
             A.failed[b] = 0;
             A.way[b] = 0;
             double pushed = pull;
             for (int i : forces_on_[b]) pushed += std::max(norm(forces[i].start), norm(forces[i].end)) / body.mass;
-            const double way = dt * (norm(body.v) + norm(body.spin) * shapes[body.shape].radius + dt * pushed);
+            const double way = dt * (norm(body.v) + norm(body.spin) * body.radius + dt * pushed);
             A.margin[b] = std::max(A.least[b], 2 * way + hair);
             A.still[b] = std::max(0.5 * A.least[b], way) < 100 * hair;
             A.all_still &= A.still[b] != 0;
@@ -459,7 +466,7 @@ template <int d> class World {
                 Motion increment = 0.5 * dt * A.w[b];
                 if (!bodies[b].is_platform())
                     for (int i = 0; i < d; i++) increment[i] += 0.5 * dt * dt * load[i];
-                A.other[b].place(shapes[bodies[b].shape], bodies[b].moved(increment));
+                A.other[b].place(shapes, bodies[b].parts, bodies[b].moved(increment));
             }
         }
         for (std::size_t i = 0; i < A.pairs.size(); i++) {
@@ -478,12 +485,40 @@ template <int d> class World {
     }
 
     /// Features of a pair at some places, added to those found; returns how far it is apart.
-    double look(Attempt& A, const std::pair<int, int>& pair, const std::vector<PlacedShape<d>>& placed, bool with_margin) {
+    double look(Attempt& A, const std::pair<int, int>& pair, const std::vector<PlacedBody<d>>& placed, bool with_margin) {
         const auto [a, b] = pair;
-        const double margin = with_margin ? A.margin[a] + A.margin[b] : 0;
-        NarrowPhase<d> narrow(a, b, shapes[bodies[a].shape], shapes[bodies[b].shape], placed[a], placed[b], margin, INSET * size_, A.found);
-        return narrow.find();
+        return look(a, b, placed[a], placed[b], with_margin ? A.margin[a] + A.margin[b] : 0, A.found);
     }
+
+    /// Features of two bodies nearer than a margin, added to those found; returns how far they are apart along
+    /// the axis that separates best those of their parts which are nearest.
+    double look(int a, int b, const PlacedBody<d>& at_a, const PlacedBody<d>& at_b, double margin, std::vector<Feature<d>>& found) const {
+        double least = INFINITY;
+        for (std::size_t i = 0; i < at_a.parts.size(); i++)
+            for (std::size_t j = 0; j < at_b.parts.size(); j++) {
+                const PlacedShape<d>&one = at_a.parts[i], &other = at_b.parts[j];
+                if (at_a.parts.size() + at_b.parts.size() > 2 && are_apart(one, other, margin)) continue;
+                const std::size_t before = found.size();
+                NarrowPhase<d> narrow(a, b, part(a, i), part(b, j), one, other, margin, INSET * size_, found);
+                least = std::min(least, narrow.find());
+                for (std::size_t f = before; f < found.size(); f++) {
+                    const bool first = found[f].point_body == a;
+                    found[f].point_part = static_cast<int>(first ? i : j);
+                    found[f].face_part = static_cast<int>(first ? j : i);
+                }
+            }
+        return least;
+    }
+
+    static bool are_apart(const PlacedShape<d>& one, const PlacedShape<d>& other, double margin) {
+        for (int k = 0; k < d; k++)
+            if (one.low[k] > other.high[k] + margin || other.low[k] > one.high[k] + margin) return true;
+        return false;
+    }
+
+    const Shape<d>& part(int body, std::size_t number) const { return shapes[bodies[body].parts[number]]; }
+    const Shape<d>& point_shape(const Feature<d>& feature) const { return part(feature.point_body, feature.point_part); }
+    const Shape<d>& face_shape(const Feature<d>& feature) const { return part(feature.face_body, feature.face_part); }
 
     /// Adds a contact of a pair unless it is there, or was below its face, beside it, at the start; true
     /// where it is added.
@@ -544,12 +579,12 @@ template <int d> class World {
     double thickness(int b) const { return bodies[b].mobility == Mobility::FREE ? bodies[b].thickness : INFINITY; }
 
     double gap_between(const Feature<d>& feature, const Placement<d>& a, const Placement<d>& b) const {
-        return gap_of(feature, shapes[bodies[feature.point_body].shape], shapes[bodies[feature.face_body].shape], a, b);
+        return gap_of(feature, point_shape(feature), face_shape(feature), a, b);
     }
 
     void write_contact_rows(C& k, const Placement<d>& a0, const Placement<d>& a1, const Placement<d>& b0, const Placement<d>& b1) const {
         const Body<d>&a = bodies[k.feature.point_body], &b = bodies[k.feature.face_body];
-        write_rows(k, shapes[a.shape], shapes[b.shape], a0, a1, b0, b1);
+        write_rows(k, point_shape(k.feature), face_shape(k.feature), a0, a1, b0, b1);
         if (a.is_platform()) restrict_to_platform<d>(k.rows_a);
         if (b.is_platform()) restrict_to_platform<d>(k.rows_b);
     }
@@ -627,7 +662,7 @@ template <int d> class World {
                 if (A.failed[b]) continue;
                 double turn = norm_from(A.w[b], d), go = 0;
                 for (int i = 0; i < d; i++) go = std::hypot(go, A.w[b][i]);
-                A.way[b] = 0.5 * dt * (go + turn * shapes[bodies[b].shape].radius);
+                A.way[b] = 0.5 * dt * (go + turn * bodies[b].radius);
                 if (!(A.way[b] > A.margin[b])) continue;
                 strayed = true;
                 A.least[b] = 2 * A.way[b];
@@ -641,7 +676,7 @@ template <int d> class World {
     /// Contacts that overlap at the end of the step though they were none; true where there are any.
     bool add_late_contacts(Attempt& A) {
         if (A.all_still) return false;
-        for (int b : A.members) A.other[b].place(shapes[bodies[b].shape], A.end[b]);
+        for (int b : A.members) A.other[b].place(shapes, bodies[b].parts, A.end[b]);
         for (int b : fixed_) A.other[b] = A.start[b];
         bool more = false;
         for (std::size_t i = 0; i < A.pairs.size(); i++) {
@@ -1218,13 +1253,12 @@ template <int d> class World {
     void measure_pairs() {
         std::vector<Feature<d>> none;
         for (PairTold<d>& pair : told) {
-            const Shape<d>&one = shapes[bodies[pair.a].shape], &other = shapes[bodies[pair.b].shape];
-            PlacedShape<d> here, there;
-            here.place(one, bodies[pair.a].placement());
-            there.place(other, bodies[pair.b].placement());
+            PlacedBody<d> here, there;
+            here.place(shapes, bodies[pair.a].parts, bodies[pair.a].placement());
+            there.place(shapes, bodies[pair.b].parts, bodies[pair.b].placement());
             none.clear();
             // No margin cuts the search short: the axis has to be the best of all.
-            pair.gap = NarrowPhase<d>(pair.a, pair.b, one, other, here, there, INFINITY, INSET * size_, none).find();
+            pair.gap = look(pair.a, pair.b, here, there, INFINITY, none);
         }
     }
 
@@ -1235,12 +1269,13 @@ template <int d> class World {
         };
         double lowest = INFINITY;
         Vec<d> way{};
-        for (const Vec<d>& corner : shapes[bodies[b].shape].vertices) {
-            const Vec<d> after = local_place(A.end[b], A.end[carrier], corner);
-            if (after[d - 1] >= lowest) continue;
-            lowest = after[d - 1];
-            way = after - local_place(A.start[b].at, A.start[carrier].at, corner);
-        }
+        for (int number : bodies[b].parts)
+            for (const Vec<d>& corner : shapes[number].vertices) {
+                const Vec<d> after = local_place(A.end[b], A.end[carrier], corner);
+                if (after[d - 1] >= lowest) continue;
+                lowest = after[d - 1];
+                way = after - local_place(A.start[b].at, A.start[carrier].at, corner);
+            }
         return way;
     }
 
@@ -1724,7 +1759,7 @@ template <int d> class World {
         const Placement<d>& a = A.start[k.feature.point_body].at;
         if constexpr (d == 3)
             if (k.feature.kind == Kind::EDGE_EDGE) {
-                const Shape<3>&own = shapes[bodies[k.feature.point_body].shape], &other = shapes[bodies[k.feature.face_body].shape];
+                const Shape<3>&own = point_shape(k.feature), &other = face_shape(k.feature);
                 const Placement<3>& b = A.start[k.feature.face_body].at;
                 const Edge &x = own.edges[k.feature.point], &y = other.edges[k.feature.face];
                 const Vec<3> P = a.centre + mul(a.R, own.vertices[x.from]), u = mul(a.R, own.vertices[x.to] - own.vertices[x.from]);

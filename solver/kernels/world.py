@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from solver.kernels.library import library
-from solver.types import Array
+from solver.types import Array, Mask
 
 COUNTS = (
     *("solves", "warm", "newton", "factorizations", "searched", "softened", "interior"),
@@ -75,8 +75,8 @@ class Mobility(IntEnum):
 class Body:
     """A rigid body and how it starts."""
 
-    shape: int
-    """Number of its shape."""
+    shape: int | Sequence[int]
+    """Number of its shape, or of those of its parts, each of which no other body has."""
     mobility: Mobility = Mobility.FREE
     mass: float = 1.0
     thickness: float = 1.0
@@ -134,8 +134,10 @@ class Link:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LinkStates:
-    """States of links at the ends of steps, (steps, links, ...); axial ones have the first
-    direction alone."""
+    """States of links at the ends of steps, (steps, links, ...).
+
+    Axial ones have the first direction alone.
+    """
 
     extension: Array
     """m, (..., d)."""
@@ -143,7 +145,7 @@ class LinkStates:
     """Mean over the step, in tension, N, (..., d)."""
     plastic: Array
     """Plastic part of the extension, m, (..., d)."""
-    broken: Array
+    broken: Mask
     broken_at: Array
     """When it broke, s."""
     lost: Array
@@ -352,9 +354,9 @@ class World:
             np.broadcast_to(body.velocity, d),
             np.broadcast_to(body.spin, turns),
         ]
-        mobility = int(body.mobility)
+        mobility, shapes = int(body.mobility), np.atleast_1d(body.shape)
         self._library.world_body(
-            self._handle, body.shape, mobility, _numbers(np.concatenate(parts))
+            self._handle, _integers(shapes), len(shapes), mobility, _numbers(np.concatenate(parts))
         )
         self._count += 1
 
@@ -378,8 +380,10 @@ class World:
         self._links += 1
 
     def force(self, body: int, arm: ArrayLike) -> None:
-        """Add a force on a point of a body, by its place about the centre, (d,), m; its values are
-        given to `run`."""
+        """Add a force on a point of a body, by its place about the centre, (d,), m.
+
+        Its values are given to `run`.
+        """
         self._library.world_force(self._handle, body, _numbers(arm))
         self._forces += 1
 
