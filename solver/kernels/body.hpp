@@ -26,7 +26,8 @@ struct Scheme {
 template <int d> struct Body {
     static constexpr int rotations = Dim<d>::rotations, unknowns = Dim<d>::unknowns;
 
-    int shape = 0;
+    std::vector<int> parts;         // numbers of the shapes that make it up
+    double radius = 0;              // of the sphere about the centre that holds it, m
     Mobility mobility = Mobility::FREE;
     double mass = 1;                // kg
     double thickness = 1;           // of a body in the plane, m

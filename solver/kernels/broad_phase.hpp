@@ -12,7 +12,7 @@ template <int d> class BroadPhase {
   public:
     /// Pairs (a, b), a < b, sorted, of the bodies listed; of two that are fixed none.
     const std::vector<std::pair<int, int>>& find(const std::vector<int>& listed, const std::vector<Body<d>>& bodies,
-                                                 const std::vector<PlacedShape<d>>& placed,
+                                                 const std::vector<PlacedBody<d>>& placed,
                                                  const std::vector<double>& margin) {
         pairs_.clear();
         order_ = listed;

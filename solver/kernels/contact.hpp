@@ -14,6 +14,7 @@
 
 #include "body.hpp"
 #include "friction.hpp"
+#include "link.hpp"
 #include "narrow_phase.hpp"
 
 namespace rockslip {
@@ -37,6 +38,7 @@ template <int d> struct Contact {
     std::uint64_t id;
     int a, b;              // numbers of the bodies among those of the island; -1: fixed
     const ContactLaw* law;
+    const LinkStep<d>* link = nullptr;  // of a link, which stands among contacts in the local problem
     double gap;            // at the start of the step, m
     Vec<d> start;          // gap and place along the face at the start, as remembered, m
     bool was_closed;       // in the step before
@@ -126,6 +128,26 @@ void write_rows(Contact<d>& k, const Shape<d>& A, const Shape<d>& B, const Place
     const Vec<d> arm = mul(Ra, k.feature.arm), back = apart + arm;
     put_row(k, 0, mul(Rb, face.normal), arm, back);
     for (int i = 0; i + 1 < d; i++) put_row(k, 1 + i, mul(Rb, face.tangent[i]), arm, back);
+}
+
+/// Writes the rows of a link for motions from places a0, b0 to a1, b1: y is its rate of extension.
+///
+/// With r the line between the ends, d|r| = r_m.dr / (|r_0| + |r_1|)/2 exactly; along axes of the first body
+/// as (M53).
+template <int d>
+void write_link_rows(Contact<d>& k, const Placement<d>& a0, const Placement<d>& a1, const Placement<d>& b0, const Placement<d>& b1) {
+    const Link<d>& link = *k.link->link;
+    const Mat<d, d> Ra = mean(a0.R, a1.R), Rb = mean(b0.R, b1.R);
+    const Vec<d> arm = mul(Rb, link.end_b), foot = mul(Ra, link.end_a);
+    const Vec<d> apart = 0.5 * ((b0.centre - a0.centre) + (b1.centre - a1.centre));
+    k.constant.fill(0);
+    k.rows_a = k.rows_b = {};
+    if (link.axial) {
+        const double lengths = 2 * link.length[0] + link.measure(a0, b0)[0] + link.measure(a1, b1)[0];
+        put_row(k, 0, (2 / lengths) * (apart + arm - foot), arm, foot);
+        return;
+    }
+    for (int i = 0; i < d; i++) put_row(k, i, mul(Ra, link.axes[i]), arm, apart + arm);
 }
 
 /// Contacts of pairs of bodies as the last step left them.

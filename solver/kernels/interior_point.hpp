@@ -91,7 +91,7 @@ template <int d> class InteriorPoint {
 
   public:
     /// Writes impulses near those of the law, and the motions that they lead to; false where they are
-    /// not found, or friction is given. Cohesion is a mu that follows P_n.
+    /// not found, friction is given, or there are links. Cohesion is a mu that follows P_n.
     bool solve(Island<d>& island, BlockLU<unknowns>& factors) {
         island.factored_stamp = -1;
         if (!begin(island)) return false;
@@ -153,7 +153,7 @@ template <int d> class InteriorPoint {
         fastest_ = 0;
         for (std::size_t i = 0; i < points_.size(); i++) {
             const Contact<d>& k = *island.contacts[i];
-            if (k.mode != FrictionMode::LAW) return false;
+            if (k.link || k.mode != FrictionMode::LAW) return false;
             points_[i].mu = k.bound.mu;
             fastest_ = std::max(fastest_, norm(points_[i].scaled(island.reading(k))));
         }

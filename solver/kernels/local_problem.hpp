@@ -92,7 +92,7 @@ template <int d> class LocalProblem {
         sweep(island);
         for (C* k : island.contacts) {
             State state{};
-            k->impulse = project<d>(k->bound, k->mode, k->given, k->impulse, state, nullptr);
+            if (!k->link) k->impulse = project<d>(k->bound, k->mode, k->given, k->impulse, state, nullptr);
         }
         return take(island);
     }
@@ -144,6 +144,20 @@ template <int d> class LocalProblem {
         return std::min(island.own[contact][tangential], MOST_HELD * island.least[tangential]);
     }
 
+    /// The impulse of a contact, or a link, nearest to a trial P - r y; its derivative, where wanted.
+    static Vec<d> admissible(const C& k, const Vec<d>& trial, const std::array<double, 2>& r, State& state, Mat<d, d>* derivative) {
+        if (!k.link) return project<d>(k.bound, k.mode, k.given, trial, state, derivative);
+        Vec<d> p{};
+        if (derivative) *derivative = {};
+        state = GIVEN;
+        for (int i = 0; i < k.link->link->directions(); i++) {
+            const auto [impulse, slope] = k.link->answer(i, trial[i], r[i > 0]);
+            p[i] = impulse;
+            if (derivative) (*derivative)[i][i] = slope;
+        }
+        return p;
+    }
+
     static double own_compliance(const Mat<d, unknowns>& rows, const Mat<unknowns, unknowns>& inverse_mass, int first, int last) {
         double most = 0;
         for (int row = first; row < last; row++) most = std::max(most, dot(rows[row], mul(inverse_mass, rows[row])));
@@ -184,8 +198,9 @@ template <int d> class LocalProblem {
             }
         }
         island.least = {INFINITY, INFINITY};
-        for (const auto& own : island.own)
-            for (int t = 0; t < 2; t++) island.least[t] = std::min(island.least[t], own[t]);
+        for (std::size_t i = 0; i < count; i++)
+            for (int t = 0; t < 2; t++)
+                if (!island.contacts[i]->link) island.least[t] = std::min(island.least[t], island.own[i][t]);
     }
 
     /// Difference between P and its projection, 1 being what is tolerated; infinite beyond numbers.
@@ -215,7 +230,7 @@ template <int d> class LocalProblem {
                 trial_[i][j] = k.impulse[j] - step;
                 noise = std::max({noise, std::fabs(k.impulse[j]), std::fabs(step), length * moved});
             }
-            const Vec<d> nearest = project<d>(k.bound, k.mode, k.given, trial_[i], k.state, nullptr);
+            const Vec<d> nearest = admissible(k, trial_[i], r, k.state, nullptr);
             for (int j = 0; j < d; j++) {
                 const double F = k.impulse[j] - nearest[j];
                 largest_[i] = std::max(largest_[i], std::fabs(k.impulse[j]));
@@ -306,10 +321,10 @@ template <int d> class LocalProblem {
             Mat<d, d> J;
             LU<d> K;
             State state{};
-            const Vec<d> nearest = project<d>(k.bound, k.mode, k.given, trial_[i], state, &J);
+            const Vec<d> nearest = admissible(k, trial_[i], island.length[i], state, &J);
             const int mark = static_cast<int>(state);
-            // Slip in space turns its direction from iteration to iteration.
-            same = same && island.factored[i] == mark && (d == 2 || state != SLIP);
+            // Slip in space turns its direction from iteration to iteration, and links bend.
+            same = same && island.factored[i] == mark && (d == 2 || state != SLIP) && !k.link;
             island.factored[i] = mark;
             for (int a = 0; a < d; a++)
                 for (int b = 0; b < d; b++) {
@@ -413,18 +428,20 @@ template <int d> class LocalProblem {
                         for (int a = 0; a < d; a++) W[a][c] += dot(rows[a], moved);
                     }
                 }
+                std::array<double, 2> r;
+                for (int t = 0; t < 2; t++) r[t] = island.own[i][t] > 0 ? 1 / island.own[i][t] : 1;
                 for (int inner = 0; inner < 30; inner++) {
                     Vec<d> trial;
-                    for (int j = 0; j < d; j++) trial[j] = k.impulse[j] - y[j] / island.own[i][j > 0];
+                    for (int j = 0; j < d; j++) trial[j] = k.impulse[j] - r[j > 0] * y[j];
                     Mat<d, d> J;
                     State state{};
-                    Vec<d> step = project<d>(k.bound, k.mode, k.given, trial, state, &J) - k.impulse;
+                    Vec<d> step = admissible(k, trial, r, state, &J) - k.impulse;
                     if (norm(step) <= 1e-15 * norm(k.impulse)) break;
                     LU<d> K;
                     for (int a = 0; a < d; a++)
                         for (int b = 0; b < d; b++) {
                             K.a[a][b] = (a == b) - J[a][b];
-                            for (int c = 0; c < d; c++) K.a[a][b] += J[a][c] / island.own[i][c > 0] * W[c][b];
+                            for (int c = 0; c < d; c++) K.a[a][b] += J[a][c] * r[c > 0] * W[c][b];
                         }
                     if (!K.factorize()) break;
                     K.solve(step);

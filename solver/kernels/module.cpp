@@ -30,9 +30,9 @@ template <std::size_t n> void write(double*& to, const Numbers<n>& x) {
     for (double each : x) *to++ = each;
 }
 
-template <int d> int add_body(World<d>& world, int shape, int mobility, const double* numbers) {
+template <int d> int add_body(World<d>& world, const int* shapes, int parts, int mobility, const double* numbers) {
     Body<d> body;
-    body.shape = shape;
+    body.parts.assign(shapes, shapes + parts);
     body.mobility = static_cast<Mobility>(mobility);
     body.mass = *numbers++;
     body.thickness = *numbers++;
@@ -56,6 +56,38 @@ template <int d> constexpr std::size_t STATE = 4 * d + Rotation<d>::size + 2 * D
 
 /// Numbers of a step: energies, exchanges, impulse on the ground, closed contacts, iterations, halvings.
 template <int d> constexpr std::size_t TOTALS = 11 + d;
+
+/// A link by its numbers: ends, axes (d rows), lengths, strength; of each direction stiffness, damping, gap,
+/// whether it resists compression, yield.
+template <int d> int add_link(World<d>& world, int a, int b, int axial, const double* numbers) {
+    Link<d> link;
+    link.a = a;
+    link.b = b;
+    link.axial = axial != 0;
+    link.end_a = read<d>(numbers);
+    link.end_b = read<d>(numbers);
+    for (auto& row : link.axes) row = read<d>(numbers);
+    link.length = read<d>(numbers);
+    link.strength = *numbers++;
+    for (LinkLaw& law : link.laws) {
+        const auto given = read<5>(numbers);
+        law = {given[0], given[1], given[2], given[3] != 0, given[4]};
+    }
+    world.links.push_back(link);
+    return static_cast<int>(world.links.size()) - 1;
+}
+
+/// Numbers of the state of a link: extensions, forces, plastic parts, 1 where it is broken, when (s), energy lost then.
+template <int d> constexpr std::size_t LINK = 3 * d + 3;
+
+template <int d> void write_links(const World<d>& world, double* out) {
+    for (const Link<d>& link : world.links) {
+        write(out, link.extension);
+        write(out, link.force);
+        write(out, link.plastic);
+        write(out, Numbers<3>{double(link.broken), link.broken_at, link.lost});
+    }
+}
 
 template <int d> void write_state(World<d>& world, double* of_bodies, double* of_step) {
     for (std::size_t b = 0; b < world.bodies.size(); b++) {
@@ -93,7 +125,7 @@ template <int d> void write_pairs(const World<d>& world, std::vector<double>& ou
 }
 
 template <int d> int run(World<d>& world, int steps, double dt, double smallest, const double* ground, const double* shift,
-                         double* of_bodies, double* of_steps, std::vector<double>& of_pairs) {
+                         const double* forces, double* of_bodies, double* of_steps, double* of_links, std::vector<double>& of_pairs) {
     of_pairs.clear();
     for (int i = 0; i < steps; i++) {
         GroundMotion<d> motion;
@@ -102,9 +134,16 @@ template <int d> int run(World<d>& world, int steps, double dt, double smallest,
                 motion.start[k] = ground[d * i + k] + shift[d * i + k];
                 motion.rise[k] = (ground[d * (i + 1) + k] - ground[d * i + k]) / dt;
             }
+        const std::size_t all = d * world.forces.size();
+        for (std::size_t f = 0; f < world.forces.size(); f++) {
+            const double *start = forces + all * static_cast<std::size_t>(i) + d * f, *end = start + all;
+            world.forces[f].start = read<d>(start);
+            world.forces[f].end = read<d>(end);
+        }
         if (!world.step(dt, smallest, motion)) return i;
         const auto row = static_cast<std::size_t>(i);
-        if (of_bodies) write_state(world, of_bodies + STATE<d> * world.bodies.size() * row, of_steps + TOTALS<d> * row);
+        write_state(world, of_bodies + STATE<d> * world.bodies.size() * row, of_steps + TOTALS<d> * row);
+        write_links(world, of_links + LINK<d> * world.links.size() * row);
         if (world.tells_pairs) write_pairs(world, of_pairs, i, dt);
     }
     return steps;
@@ -183,8 +222,21 @@ int world_polyhedron(void* handle, const double* vertices, int count, const int*
     return static_cast<int>(world.shapes.size()) - 1;
 }
 
-int world_body(void* handle, int shape, int mobility, const double* numbers) {
-    return with(handle, [&](auto& world) { return add_body(world, shape, mobility, numbers); });
+int world_body(void* handle, const int* shapes, int parts, int mobility, const double* numbers) {
+    return with(handle, [&](auto& world) { return add_body(world, shapes, parts, mobility, numbers); });
+}
+
+int world_link(void* handle, int a, int b, int axial, const double* numbers) {
+    return with(handle, [&](auto& world) { return add_link(world, a, b, axial, numbers); });
+}
+
+/// A force on a body at a point in its frame, about its centre.
+int world_force(void* handle, int body, const double* arm) {
+    return with(handle, [&](auto& world) {
+        constexpr int d = std::decay_t<decltype(world)>::dimension;
+        world.forces.push_back({body, read<d>(arm), {}, {}});
+        return static_cast<int>(world.forces.size()) - 1;
+    });
 }
 
 void world_law(void* handle, const double* numbers) {
@@ -203,9 +255,11 @@ void world_begin(void* handle, const int* law_of, const int* carriers, const int
     });
 }
 
-int world_run(void* handle, int steps, double dt, double smallest, const double* ground, const double* shift, double* of_bodies, double* of_steps) {
+/// `forces` has the forces at the ends of the steps, (steps + 1, forces, d).
+int world_run(void* handle, int steps, double dt, double smallest, const double* ground, const double* shift, const double* forces,
+              double* of_bodies, double* of_steps, double* of_links) {
     std::vector<double>& of_pairs = static_cast<Handle*>(handle)->pairs;
-    return with(handle, [&](auto& world) { return run(world, steps, dt, smallest, ground, shift, of_bodies, of_steps, of_pairs); });
+    return with(handle, [&](auto& world) { return run(world, steps, dt, smallest, ground, shift, forces, of_bodies, of_steps, of_links, of_pairs); });
 }
 
 /// From here on what pairs of bodies do to one another is told.
@@ -220,8 +274,11 @@ long world_pairs(void* handle, double* out) {
     return static_cast<long>(pairs.size());
 }
 
-void world_state(void* handle, double* of_bodies, double* of_step) {
-    with(handle, [&](auto& world) { write_state(world, of_bodies, of_step); });
+void world_state(void* handle, double* of_bodies, double* of_step, double* of_links) {
+    with(handle, [&](auto& world) {
+        write_state(world, of_bodies, of_step);
+        write_links(world, of_links);
+    });
 }
 
 /// Writes the collisions since the last call, each as time, a, b, points, place, normal, approach,

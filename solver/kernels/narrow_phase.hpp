@@ -30,11 +30,13 @@ template <int d> struct Feature {
     double sign;   // of EDGE_EDGE: of the normal against the product of both edges
     Vec<d> arm;    // the point in the frame of its body
     double area;   // that cohesion acts on, m2 (in the plane a length, m)
+    int point_part = 0, face_part = 0;  // parts of both bodies
 
+    /// Below 2^53, so that checkpoints hold it: 512 parts of a body, 65536 corners, edges and faces of a part.
     std::uint64_t id() const {
         const auto word = [](int number) { return static_cast<std::uint64_t>(number); };
-        const std::uint64_t second = word(kind == Kind::EDGE_FACE ? other : face);
-        return ((word(point_body > face_body) * 3 + word(static_cast<int>(kind))) << 48) + (word(point) << 24) + second;
+        const std::uint64_t parts = (word(point_part) << 9) + word(face_part), order = word(point_body > face_body);
+        return ((((parts * 6 + order * 3 + word(static_cast<int>(kind))) << 16) + word(point)) << 16) + word(kind == Kind::EDGE_FACE ? other : face);
     }
 };
 
@@ -81,16 +83,17 @@ template <int d> class NarrowPhase {
     double find() {
         if (A_.is_half_space()) return above(true);
         if (B_.is_half_space()) return above(false);
-        const auto [face_a, apart_a] = best_face(A_, at_a_, at_b_);
+        const auto [face_a, outer_a, apart_a] = best_face(A_, at_a_, at_b_);
         if (apart_a > margin_) return apart_a;
-        const auto [face_b, apart_b] = best_face(B_, at_b_, at_a_);
+        const auto [face_b, outer_b, apart_b] = best_face(B_, at_b_, at_a_);
         if (apart_b > margin_) return apart_b;
-        const bool by_a = apart_a > apart_b;
+        const bool by_a = outer_a > outer_b;
         apart_ = std::max(apart_a, apart_b);
+        within_ = apart_ > std::max(outer_a, outer_b);
         if constexpr (d == 3)
             if (by_edges()) return apart_;
-        if (by_a) clip(face_a, facing(at_b_, at_a_.normals[face_a]), true);
-        else clip(facing(at_a_, at_b_.normals[face_b]), face_b, false);
+        if (by_a) clip(face_a, facing(B_, at_b_, at_a_.normals[face_a]), true);
+        else clip(facing(A_, at_a_, at_b_.normals[face_b]), face_b, false);
         if (hides_overlap()) deepest_corners(by_a, by_a ? face_a : face_b);
         return apart_;
     }
@@ -99,7 +102,7 @@ template <int d> class NarrowPhase {
     double round_off() const { return DISTANCE_ROUND_OFF * inset_; }
 
     /// Whether bodies overlap by more than their features show: a corner on a corner is not over a face.
-    bool hides_overlap() const { return apart_ < round_off() && least_ > apart_ + round_off(); }
+    bool hides_overlap() const { return !within_ && apart_ < round_off() && least_ > apart_ + round_off(); }
 
     /// Adds a feature if it is near, unless it shows an overlap of bodies that are apart.
     void add(const Feature<d>& feature, double gap) {
@@ -113,7 +116,7 @@ template <int d> class NarrowPhase {
         const PlacedShape<d>&body = half_space_is_a ? at_b_ : at_a_, &ground = half_space_is_a ? at_a_ : at_b_;
         const Shape<d>& shape = half_space_is_a ? B_ : A_;
         if (shape.is_half_space()) return INFINITY;
-        const Face<d>& down = shape.faces[facing(body, ground.normals[0])];
+        const Face<d>& down = shape.faces[facing(shape, body, ground.normals[0])];
         area_ = down.area / static_cast<double>(down.corners.size());
         double least = INFINITY;
         for (std::size_t i = 0; i < body.vertices.size(); i++)
@@ -125,17 +128,24 @@ template <int d> class NarrowPhase {
     double corner_on_face(bool corner_of_a, int corner, int face) {
         const PlacedShape<d>&own = corner_of_a ? at_a_ : at_b_, &other = corner_of_a ? at_b_ : at_a_;
         const double offset = (corner_of_a ? B_ : A_).faces[face].offset;
+        const bool counts = (corner_of_a ? A_ : B_).is_corner(corner);
         const double gap = dot(other.normals[face], own.vertices[corner] - other.at.centre) - offset;
-        add({corner_of_a ? a_ : b_, corner_of_a ? b_ : a_, Kind::CORNER_FACE, corner, face, 0, 1,
-             (corner_of_a ? A_ : B_).vertices[corner], area_}, gap);
+        if (counts)
+            add({corner_of_a ? a_ : b_, corner_of_a ? b_ : a_, Kind::CORNER_FACE, corner, face, 0, 1,
+                 (corner_of_a ? A_ : B_).vertices[corner], area_}, gap);
         return gap;
     }
 
-    /// The face of a shape whose plane is farthest from the other shape, and that distance.
-    std::pair<int, double> best_face(const Shape<d>& shape, const PlacedShape<d>& own,
-                                     const PlacedShape<d>& other) const {
+    struct Parting {
+        int face;
+        double outer, apart;
+    };
+
+    /// The face of a shape whose plane is farthest from the other shape, that distance, and the largest of all
+    /// faces: inner ones may part, but nothing touches them.
+    Parting best_face(const Shape<d>& shape, const PlacedShape<d>& own, const PlacedShape<d>& other) const {
         int best = 0;
-        double most = -INFINITY;
+        double most = -INFINITY, apart = -INFINITY;
         for (std::size_t f = 0; f < shape.faces.size(); f++) {
             double least = INFINITY;
             const double level = dot(own.normals[f], own.at.centre) + shape.faces[f].offset;
@@ -143,20 +153,22 @@ template <int d> class NarrowPhase {
                 least = std::min(least, dot(own.normals[f], vertex) - level);
                 if (least <= most) break;
             }
-            if (least > most) {
+            apart = std::max(apart, least);
+            if (least > most && !shape.faces[f].inner) {
                 most = least;
                 best = static_cast<int>(f);
-                if (most > margin_) break;
             }
+            if (apart > margin_) break;
         }
-        return {best, most};
+        return {best, most, apart};
     }
 
     /// The face that looks most against a direction.
-    static int facing(const PlacedShape<d>& placed, const Vec<d>& direction) {
+    static int facing(const Shape<d>& shape, const PlacedShape<d>& placed, const Vec<d>& direction) {
         int best = 0;
         double least = INFINITY;
         for (std::size_t f = 0; f < placed.normals.size(); f++) {
+            if (shape.faces[f].inner) continue;
             const double cosine = dot(placed.normals[f], direction);
             if (cosine < least) {
                 least = cosine;
@@ -226,10 +238,12 @@ template <int d> class NarrowPhase {
         Vec<3> axis{};
         for (std::size_t i = 0; i < A_.edges.size(); i++) {
             const Edge& x = A_.edges[i];
+            if (x.inner) continue;
             const Vec<3> u = at_a_.vertices[x.to] - at_a_.vertices[x.from];
             const Vec<3>&a0 = at_a_.normals[x.left], &a1 = at_a_.normals[x.right];
             for (std::size_t j = 0; j < B_.edges.size(); j++) {
                 const Edge& y = B_.edges[j];
+                if (y.inner) continue;
                 const Vec<3>&b0 = at_b_.normals[y.left], &b1 = at_b_.normals[y.right];
                 const double c = -dot(b0, u), e = -dot(b1, u);
                 if (!(c * e < 0)) continue;
@@ -254,7 +268,7 @@ template <int d> class NarrowPhase {
         if (edge_a < 0 || most <= apart_ + 1e-9 * A_.radius) return false;
         apart_ = most;
         if (most > margin_) return true;
-        const int near_a = facing(at_a_, axis), near_b = facing(at_b_, -1.0 * axis);
+        const int near_a = facing(A_, at_a_, axis), near_b = facing(B_, at_b_, -1.0 * axis);
         const double along_a = -dot(axis, at_a_.normals[near_a]), along_b = dot(axis, at_b_.normals[near_b]);
         const std::size_t before = found_.size();
         if (std::max(along_a, along_b) >= ALONG_A_FACE) clip_polygons(near_a, near_b, along_a > along_b);
@@ -266,6 +280,7 @@ template <int d> class NarrowPhase {
     /// Adds the crossing of two edges; nearly parallel ones as a point on a face of b, if there is one.
     void edge_edge(int edge_a, int edge_b, const Vec<3>& up, int face_b) {
         const Edge &x = A_.edges[edge_a], &y = B_.edges[edge_b];
+        if (x.inner || y.inner) return;
         const Vec<3> P = at_a_.vertices[x.from], u = at_a_.vertices[x.to] - P;
         const Vec<3> Q = at_b_.vertices[y.from], v = at_b_.vertices[y.to] - Q, across = cross(u, v);
         if (norm(across) > (face_b < 0 ? PARALLEL : NEARLY_PARALLEL) * norm(u) * norm(v)) {
@@ -369,6 +384,7 @@ template <int d> class NarrowPhase {
     double area_ = 0;
     double apart_ = -INFINITY;  // along the axis that separates the bodies best so far
     double least_ = INFINITY;   // gap of the features
+    bool within_ = false;       // an inner face parts the bodies best: this tells nothing of their overlap
 };
 
 }  // namespace rockslip

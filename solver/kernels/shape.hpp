@@ -16,12 +16,14 @@ template <int d> struct Face {
     double area;               // m2; in the plane the length, m
     std::vector<int> corners;  // vertices, anticlockwise seen from outside
     std::vector<int> edges;    // in space; edge k leads from corner k to corner k + 1
+    bool inner = false;        // covered by another part of its body: nothing touches it
 };
 
 /// An edge of a polyhedron, with the two faces that it joins.
 struct Edge {
     int from, to;
     int left, right;
+    bool inner = false;  // in or on another part of its body: none of its surface
 };
 
 /// A convex shape; without vertices it is the half-space below its only face.
@@ -29,8 +31,10 @@ template <int d> struct Shape {
     std::vector<Vec<d>> vertices;
     std::vector<Face<d>> faces;
     std::vector<Edge> edges;
+    std::vector<char> inner;  // of each vertex: none of the union of the parts of its body; empty where there is one part
     double radius = 0;  // of the sphere about the origin that holds all vertices, m
 
+    bool is_corner(int vertex) const { return inner.empty() || !inner[vertex]; }
     bool is_half_space() const { return vertices.empty(); }
 };
 
@@ -63,6 +67,62 @@ template <int d> struct PlacedShape {
         if (shape.is_half_space() && normals[0][d - 1] == 1) high[d - 1] = at.centre[d - 1] + shape.faces[0].offset;
     }
 };
+
+/// A body at its place: its parts, and the box around all of them.
+template <int d> struct PlacedBody {
+    Placement<d> at;
+    std::vector<PlacedShape<d>> parts;
+    Vec<d> low, high;
+
+    void place(const std::vector<Shape<d>>& shapes, const std::vector<int>& numbers, const Placement<d>& placement) {
+        at = placement;
+        parts.resize(numbers.size());
+        for (std::size_t i = 0; i < parts.size(); i++) {
+            const PlacedShape<d>& part = parts[i];
+            parts[i].place(shapes[numbers[i]], placement);
+            if (i == 0) {
+                low = part.low;
+                high = part.high;
+            }
+            for (int k = 0; k < d; k++) {
+                low[k] = std::min(low[k], part.low[k]);
+                high[k] = std::max(high[k], part.high[k]);
+            }
+        }
+    }
+};
+
+/// Marks faces, edges and corners of a part of a body that are within another part, or on it: the surface of
+/// their union is not there, flat or re-entrant.
+template <int d> void mark_inner(Shape<d>& part, const Shape<d>& other, double hair) {
+    const auto holds = [&](const Vec<d>& x) {
+        return std::all_of(other.faces.begin(), other.faces.end(), [&](const Face<d>& f) { return dot(f.normal, x) - f.offset <= hair; });
+    };
+    const auto middle = [&](const std::vector<int>& corners) {
+        Vec<d> sum{};
+        for (int i : corners) sum += part.vertices[i];
+        return (1.0 / static_cast<double>(corners.size())) * sum;
+    };
+    for (Face<d>& face : part.faces) {
+        const bool within = std::all_of(face.corners.begin(), face.corners.end(), [&](int i) { return holds(part.vertices[i]); });
+        face.inner = face.inner || (within && holds(middle(face.corners) + (10 * hair) * face.normal));
+    }
+    for (Edge& edge : part.edges) {
+        if (!part.faces[edge.left].inner && !part.faces[edge.right].inner) continue;
+        // One that goes on in the other part is flat or re-entrant: across it, along the face that is surface.
+        const Face<d>& face = part.faces[part.faces[edge.left].inner ? edge.right : edge.left];
+        const Vec<d> at = middle({edge.from, edge.to}), way = at - middle(face.corners);
+        edge.inner = edge.inner || face.inner || holds(at + (10 * hair / norm(way)) * way);
+    }
+    part.inner.resize(part.vertices.size(), 0);
+    for (const Face<d>& face : part.faces)
+        for (std::size_t k = 0; k < face.corners.size(); k++)
+            for (int turn : {0, 1}) {  // both ends of a side, on beyond it
+                const int to = face.corners[(k + turn) % face.corners.size()], from = face.corners[(k + 1 - turn) % face.corners.size()];
+                const Vec<d> way = part.vertices[to] - part.vertices[from];
+                if (holds(part.vertices[to] + (10 * hair / norm(way)) * way)) part.inner[to] = 1;
+            }
+}
 
 /// The half-space below level 0 of its own frame.
 template <int d> Shape<d> half_space() {

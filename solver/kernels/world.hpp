@@ -23,9 +23,16 @@ namespace rockslip {
 struct Ledger {
     double input = 0;      // work of the moving ground
     double friction = 0;
-    double damping = 0;    // of the platform's dashpot
+    double damping = 0;    // of the platform's dashpot; of dashpots, flow and fracture of links
     double contact = 0;    // impacts and the velocity level
     double numerical = 0;  // time stepping of the platform
+};
+
+/// A force on a body at a point of it, along directions in space.
+template <int d> struct AppliedForce {
+    int body = 0;
+    Vec<d> arm{};         // of the point from the centre, in the frame of the body, m
+    Vec<d> start{}, end{};  // at both ends of a step, in between linear, N
 };
 
 /// Two bodies that met at an instant, over all points at which they did.
@@ -79,6 +86,8 @@ template <int d> class World {
     std::vector<Shape<d>> shapes;
     std::vector<Body<d>> bodies;
     std::vector<ContactLaw> laws;
+    std::vector<Link<d>> links;
+    std::vector<AppliedForce<d>> forces;
     std::vector<int> law_of;              // number of the law of each pair of bodies, (n, n)
     std::vector<std::vector<int>> carriers;  // of each body: what its slip is measured over
     Vec<d> gravity{};
@@ -101,11 +110,17 @@ template <int d> class World {
     /// To be called once, when all bodies are there.
     void begin() {
         const std::size_t count = bodies.size();
+        for (Body<d>& body : bodies) {
+            for (int i : body.parts) body.radius = std::max(body.radius, shapes[i].radius);
+            for (int i : body.parts)
+                for (int j : body.parts)
+                    if (i != j) mark_inner(shapes[i], shapes[j], COVERED * body.radius);
+        }
         double sum = 0;
         std::size_t free = 0;
         for (const Body<d>& body : bodies)
             if (body.mobility == Mobility::FREE) {
-                sum += 2 * shapes[body.shape].radius;
+                sum += 2 * body.radius;
                 free++;
             }
         size_ = free ? sum / static_cast<double>(free) : 1;
@@ -119,6 +134,9 @@ template <int d> class World {
             (bodies[b].moves() ? moving_ : fixed_).push_back(static_cast<int>(b));
             bodies[b].turned = rotation_vector(bodies[b].rotation, {});
         }
+        forces_on_.assign(count, {});
+        for (std::size_t i = 0; i < forces.size(); i++) forces_on_[forces[i].body].push_back(static_cast<int>(i));
+        for (Link<d>& link : links) link.extension = link.measure(bodies[link.a].placement(), bodies[link.b].placement());
     }
 
     /// Kinetic, gravity and spring energy, J.
@@ -130,6 +148,7 @@ template <int d> class World {
             e[1] -= body.mass * dot(gravity, body.x);
             e[2] += 0.5 * body.stiffness * dot(body.x, body.x);
         }
+        for (const Link<d>& link : links) e[2] += link.energy();
         return e;
     }
 
@@ -177,6 +196,7 @@ template <int d> class World {
         archive(time, number_, deepest.depth, deepest.time, deepest.a, deepest.b, ledger.input, ledger.friction, ledger.damping, ledger.contact, ledger.numerical);
         for (Body<d>& body : bodies) archive(body.x, body.v, body.rotation.value, body.spin, body.turned, body.spring_force);
         for (Vec<d>& each : slip) archive(each);
+        for (Link<d>& link : links) archive(link.plastic, link.force, link.extension, link.broken, link.broken_at, link.lost);
         archive.size(told);
         for (PairTold<d>& pair : told) archive(pair.a, pair.b, pair.points, pair.normal, pair.impulse, pair.gap, pair.place, pair.pressed, pair.slip);
         auto& pairs = memory_.pairs();
@@ -199,7 +219,10 @@ template <int d> class World {
     static constexpr double SMALLEST_PIECE = 1e-3;  // of a step, before or after an end of slip
     static constexpr double AT_END = 1e-9;          // of a step: touches this close to its ends are there
     static constexpr double ROWS = 1e-14;           // of the size in a whole step: errors of rows below are none
+    static constexpr double COVERED = 1e-9;  // of the radius of a body: parts this close touch
     static constexpr double STOPPED = 1e-6;
+    static constexpr double BREAKING = 1e-9;  // of the strength of a link
+    static constexpr double FRACTURE = 1e-6;  // of it, where events before change the instant
     static constexpr double PIVOT = 1e-6;  // of the speed of a landing: slower contacts are its pivots
     static constexpr double SLOW = 1e-3;
     static constexpr double STEEPEST = 0.5;  // upward component of the normal of what bears a body
@@ -215,12 +238,14 @@ template <int d> class World {
         std::vector<int> members, listed;          // bodies that move; with all fixed ones
         std::vector<double> margin, least, way;    // by body
         std::vector<char> still, failed;
-        std::vector<PlacedShape<d>> start, other;
+        std::vector<PlacedBody<d>> start, other;
         std::vector<Placement<d>> end;
         std::vector<Motion> w, begun;
         std::vector<Square> mass, inverse_mass;
         std::vector<Motion> free;
-        std::vector<C> contacts;
+        double begin = 0;  // s
+        std::vector<C> contacts, links;
+        std::vector<LinkStep<d>> link_steps;
         std::vector<Feature<d>> found;
         std::vector<std::pair<int, int>> pairs;
         std::vector<double> apart;
@@ -249,18 +274,20 @@ template <int d> class World {
         GroundMotion<d> ground;
         int cuts;  // how often it may be cut at an event
         bool halves = true;  // false: halves of what came before did not help
+        bool breaks = true;  // false: it ends where a link breaks
 
-        Piece first(double length) const { return {begin, length, ground, cuts, halves}; }
-        Piece rest(double length) const { return {begin + length, dt - length, ground.later(length), cuts, halves}; }
+        Piece first(double length) const { return {begin, length, ground, cuts, halves, breaks}; }
+        Piece rest(double length) const { return {begin + length, dt - length, ground.later(length), cuts, halves, breaks}; }
     };
 
     // ------------------------------------------------------------ one attempt
 
     /// Steps some bodies; where that needs it, in groups and in pieces.
     bool advance(int depth, const std::vector<int>& members, const Piece& piece) {
-        const auto& [begin, dt, ground, cuts, halves] = piece;
+        const auto& [begin, dt, ground, cuts, halves, breaks] = piece;
         Attempt& A = attempt(depth);
         A.members = members;
+        A.begin = begin;
         for (int b : members) A.least[b] = 0;
         for (int wider = 0;; wider++) {
             set_out(A, dt, ground);
@@ -272,7 +299,7 @@ template <int d> class World {
         bool any_failed = false;
         for (int b : members) any_failed |= A.failed[b];
         const double pull = norm(gravity - ground.start) + dt * norm(ground.rise);
-        const bool cuttable = cuts > 0 && something_happens(A, dt, pull);
+        const bool cuttable = cuts > 0 && (something_happens(A, dt, pull) || (breaks && any_breaks(A)));
         if (!any_failed && !cuttable) {
             finish(A, piece);
             return true;
@@ -290,10 +317,11 @@ template <int d> class World {
         A.listed = A.members;
         A.listed.insert(A.listed.end(), fixed_.begin(), fixed_.end());
         A.all_still = true;
+        find_links(A);
         const Vec<d> load = gravity - ground.mean(dt);
         const double pull = norm(load), hair = INSET * size_;
         for (int b : fixed_) {
-            A.start[b].place(shapes[bodies[b].shape], bodies[b].placement());
+            A.start[b].place(shapes, bodies[b].parts, bodies[b].placement());
             A.end[b] = A.start[b].at;
             A.margin[b] = hair;
             A.still[b] = 1;
@@ -302,10 +330,12 @@ template <int d> class World {
         }
         for (int b : A.members) {
             const Body<d>& body = bodies[b];
-            A.start[b].place(shapes[body.shape], body.placement());
+            A.start[b].place(shapes, body.parts, body.placement());
             A.failed[b] = 0;
             A.way[b] = 0;
-            const double way = dt * (norm(body.v) + norm(body.spin) * shapes[body.shape].radius + dt * pull);
+            double pushed = pull;
+            for (int i : forces_on_[b]) pushed += std::max(norm(forces[i].start), norm(forces[i].end)) / body.mass;
+            const double way = dt * (norm(body.v) + norm(body.spin) * body.radius + dt * pushed);
             A.margin[b] = std::max(A.least[b], 2 * way + hair);
             A.still[b] = std::max(0.5 * A.least[b], way) < 100 * hair;
             A.all_still &= A.still[b] != 0;
@@ -360,6 +390,43 @@ template <int d> class World {
         }
     }
 
+    /// The links of the members that are not broken, as contacts of the local problem.
+    void find_links(Attempt& A) {
+        A.links.clear();
+        A.link_steps.clear();
+        if (links.empty()) return;
+        A.link_steps.reserve(links.size());  // contacts point into it
+        is_member_.assign(bodies.size(), 0);
+        for (int b : A.members) is_member_[b] = 1;
+        for (const Link<d>& link : links) {
+            if (link.broken || !(is_member_[link.a] || is_member_[link.b])) continue;
+            A.link_steps.push_back({&link, 0});
+            C k{};
+            k.link = &A.link_steps.back();
+            k.feature.point_body = link.b;
+            k.feature.face_body = link.a;
+            k.law = &laws[0];
+            A.links.push_back(k);
+        }
+    }
+
+    /// Adds what forces on a body do to its free motion in a step, by their means over it.
+    void add_forces(const Attempt& A, int b, double dt, Motion& free) const {
+        Motion pushed{};
+        for (int i : forces_on_[b]) {
+            const Vec<d> force = mean_force(A, forces[i], dt);
+            const auto turn = moment(mul(mean(A.start[b].at.R, A.end[b].R), forces[i].arm), force);
+            for (int j = 0; j < d; j++) pushed[j] += dt * force[j];
+            for (int j = 0; j < rotations; j++) pushed[d + j] += dt * turn[j];
+        }
+        free += mul(A.inverse_mass[b], pushed);
+    }
+
+    Vec<d> mean_force(const Attempt& A, const AppliedForce<d>& force, double dt) const {
+        const double share = (A.begin + 0.5 * dt - time) / whole_;
+        return force.start + share * (force.end - force.start);
+    }
+
     /// Motion of a free body without contacts; in space by the energy-momentum rule on the angular
     /// momentum (Simo and Wong 1991), about the last iterate (M56).
     Motion free_motion(const Attempt& A, int b, double dt, const Vec<d>& load) const {
@@ -381,6 +448,7 @@ template <int d> class World {
                 for (int j = 0; j < 3; j++) free[3 + i] -= A.inverse_mass[b][3 + i][3 + j] * missing[j];
             }
         }
+        if (!forces_on_[b].empty()) add_forces(A, b, dt, free);
         return free;
     }
 
@@ -398,7 +466,7 @@ template <int d> class World {
                 Motion increment = 0.5 * dt * A.w[b];
                 if (!bodies[b].is_platform())
                     for (int i = 0; i < d; i++) increment[i] += 0.5 * dt * dt * load[i];
-                A.other[b].place(shapes[bodies[b].shape], bodies[b].moved(increment));
+                A.other[b].place(shapes, bodies[b].parts, bodies[b].moved(increment));
             }
         }
         for (std::size_t i = 0; i < A.pairs.size(); i++) {
@@ -417,12 +485,40 @@ template <int d> class World {
     }
 
     /// Features of a pair at some places, added to those found; returns how far it is apart.
-    double look(Attempt& A, const std::pair<int, int>& pair, const std::vector<PlacedShape<d>>& placed, bool with_margin) {
+    double look(Attempt& A, const std::pair<int, int>& pair, const std::vector<PlacedBody<d>>& placed, bool with_margin) {
         const auto [a, b] = pair;
-        const double margin = with_margin ? A.margin[a] + A.margin[b] : 0;
-        NarrowPhase<d> narrow(a, b, shapes[bodies[a].shape], shapes[bodies[b].shape], placed[a], placed[b], margin, INSET * size_, A.found);
-        return narrow.find();
+        return look(a, b, placed[a], placed[b], with_margin ? A.margin[a] + A.margin[b] : 0, A.found);
     }
+
+    /// Features of two bodies nearer than a margin, added to those found; returns how far they are apart along
+    /// the axis that separates best those of their parts which are nearest.
+    double look(int a, int b, const PlacedBody<d>& at_a, const PlacedBody<d>& at_b, double margin, std::vector<Feature<d>>& found) const {
+        double least = INFINITY;
+        for (std::size_t i = 0; i < at_a.parts.size(); i++)
+            for (std::size_t j = 0; j < at_b.parts.size(); j++) {
+                const PlacedShape<d>&one = at_a.parts[i], &other = at_b.parts[j];
+                if (at_a.parts.size() + at_b.parts.size() > 2 && are_apart(one, other, margin)) continue;
+                const std::size_t before = found.size();
+                NarrowPhase<d> narrow(a, b, part(a, i), part(b, j), one, other, margin, INSET * size_, found);
+                least = std::min(least, narrow.find());
+                for (std::size_t f = before; f < found.size(); f++) {
+                    const bool first = found[f].point_body == a;
+                    found[f].point_part = static_cast<int>(first ? i : j);
+                    found[f].face_part = static_cast<int>(first ? j : i);
+                }
+            }
+        return least;
+    }
+
+    static bool are_apart(const PlacedShape<d>& one, const PlacedShape<d>& other, double margin) {
+        for (int k = 0; k < d; k++)
+            if (one.low[k] > other.high[k] + margin || other.low[k] > one.high[k] + margin) return true;
+        return false;
+    }
+
+    const Shape<d>& part(int body, std::size_t number) const { return shapes[bodies[body].parts[number]]; }
+    const Shape<d>& point_shape(const Feature<d>& feature) const { return part(feature.point_body, feature.point_part); }
+    const Shape<d>& face_shape(const Feature<d>& feature) const { return part(feature.face_body, feature.face_part); }
 
     /// Adds a contact of a pair unless it is there, or was below its face, beside it, at the start; true
     /// where it is added.
@@ -483,18 +579,23 @@ template <int d> class World {
     double thickness(int b) const { return bodies[b].mobility == Mobility::FREE ? bodies[b].thickness : INFINITY; }
 
     double gap_between(const Feature<d>& feature, const Placement<d>& a, const Placement<d>& b) const {
-        return gap_of(feature, shapes[bodies[feature.point_body].shape], shapes[bodies[feature.face_body].shape], a, b);
+        return gap_of(feature, point_shape(feature), face_shape(feature), a, b);
     }
 
     void write_contact_rows(C& k, const Placement<d>& a0, const Placement<d>& a1, const Placement<d>& b0, const Placement<d>& b1) const {
         const Body<d>&a = bodies[k.feature.point_body], &b = bodies[k.feature.face_body];
-        write_rows(k, shapes[a.shape], shapes[b.shape], a0, a1, b0, b1);
+        write_rows(k, point_shape(k.feature), face_shape(k.feature), a0, a1, b0, b1);
         if (a.is_platform()) restrict_to_platform<d>(k.rows_a);
         if (b.is_platform()) restrict_to_platform<d>(k.rows_b);
     }
 
-    /// Gathers bodies joined by contacts; only those contacts that `count`.
-    template <class Counts> void gather_islands(Attempt& A, Counts count) {
+    /// Gathers bodies joined by all contacts and links.
+    void gather_islands(Attempt& A) {
+        gather_islands(A, [](const C&) { return true; }, true);
+    }
+
+    /// Gathers bodies joined by contacts, only those that `count`, and by links where wanted.
+    template <class Counts> void gather_islands(Attempt& A, Counts count, bool with_links = false) {
         root_.resize(bodies.size());
         local_.resize(bodies.size());
         island_of_.resize(bodies.size());
@@ -503,11 +604,11 @@ template <int d> class World {
             local_[b] = island_of_[b] = -1;
         }
         for (const C& k : A.contacts)
-            if (count(k) && bodies[k.feature.point_body].moves() && bodies[k.feature.face_body].moves())
-                root_[top(k.feature.point_body)] = top(k.feature.face_body);
+            if (count(k)) join(k);
+        if (with_links)
+            for (const C& k : A.links) join(k);
         A.island_count = 0;
-        for (C& k : A.contacts) {
-            if (!count(k)) continue;
+        const auto take = [&](C& k) {
             const int a = k.feature.point_body, b = k.feature.face_body, root = top(bodies[a].moves() ? a : b);
             if (island_of_[root] < 0) {
                 island_of_[root] = A.island_count++;
@@ -523,7 +624,11 @@ template <int d> class World {
             k.a = bodies[a].moves() ? local_[a] : -1;
             k.b = bodies[b].moves() ? local_[b] : -1;
             island.contacts.push_back(&k);
-        }
+        };
+        for (C& k : A.contacts)
+            if (count(k)) take(k);
+        if (with_links)
+            for (C& k : A.links) take(k);
         for (int i = 0; i < A.island_count; i++) {
             Island<d>& island = A.islands[i];
             const std::size_t count_of = island.bodies.size();
@@ -532,6 +637,11 @@ template <int d> class World {
             island.free.resize(count_of);
             island.w.resize(count_of);
         }
+    }
+
+    /// Puts both bodies of a contact into one set.
+    void join(const C& k) {
+        if (bodies[k.feature.point_body].moves() && bodies[k.feature.face_body].moves()) root_[top(k.feature.point_body)] = top(k.feature.face_body);
     }
 
     int top(int b) {
@@ -545,14 +655,14 @@ template <int d> class World {
     /// solution. True where bodies went farther than anybody looked: margins are wider then.
     bool solve(Attempt& A, double dt, const GroundMotion<d>& ground) {
         for (int round = 0; round < 8; round++) {
-            gather_islands(A, [](const C&) { return true; });
+            gather_islands(A);
             settle_all(A, dt, ground);
             bool strayed = false;
             for (int b : A.members) {
                 if (A.failed[b]) continue;
                 double turn = norm_from(A.w[b], d), go = 0;
                 for (int i = 0; i < d; i++) go = std::hypot(go, A.w[b][i]);
-                A.way[b] = 0.5 * dt * (go + turn * shapes[bodies[b].shape].radius);
+                A.way[b] = 0.5 * dt * (go + turn * bodies[b].radius);
                 if (!(A.way[b] > A.margin[b])) continue;
                 strayed = true;
                 A.least[b] = 2 * A.way[b];
@@ -566,7 +676,7 @@ template <int d> class World {
     /// Contacts that overlap at the end of the step though they were none; true where there are any.
     bool add_late_contacts(Attempt& A) {
         if (A.all_still) return false;
-        for (int b : A.members) A.other[b].place(shapes[bodies[b].shape], A.end[b]);
+        for (int b : A.members) A.other[b].place(shapes, bodies[b].parts, A.end[b]);
         for (int b : fixed_) A.other[b] = A.start[b];
         bool more = false;
         for (std::size_t i = 0; i < A.pairs.size(); i++) {
@@ -616,10 +726,11 @@ template <int d> class World {
         if (bodies[b].is_platform()) A.w[b] = A.free[b];
         else
             for (int round = 0; round < 40; round++) {
+                A.end[b] = bodies[b].moved(0.5 * dt * A.w[b]);  // forces turn with their arms
                 const Motion next = free_motion(A, b, dt, load);
                 const double change = norm(next - A.w[b]);
                 A.w[b] = next;
-                if (d == 2 || change <= 1e-15 * norm(next)) break;
+                if ((d == 2 && forces_on_[b].empty()) || change <= 1e-15 * norm(next)) break;
             }
         A.end[b] = bodies[b].moved(0.5 * dt * A.w[b]);
     }
@@ -633,6 +744,7 @@ template <int d> class World {
             island.inverse_mass[j] = A.inverse_mass[b];
         }
         for (C* k : island.contacts) {
+            if (k->link) set_link(A, *k, dt);
             k->mode = FrictionMode::LAW;
             k->slips = false;
             k->anchor = k->impulse;
@@ -705,7 +817,7 @@ template <int d> class World {
     static bool builds_up_cohesion(const Island<d>& island) {
         bool changed = false;
         for (C* k : island.contacts)
-            if (k->bound.cohesion > 0 && std::isinf(k->bound.slope)) {
+            if (!k->link && k->bound.cohesion > 0 && std::isinf(k->bound.slope)) {
                 k->bound.slope = COHESION_SLOPE;
                 changed = true;
             }
@@ -738,7 +850,20 @@ template <int d> class World {
         return fastest < 1e-8 * dt * norm(gravity);
     }
 
+    /// A link begins with the force of the last step.
+    static void set_link(Attempt& A, C& k, double dt) {
+        A.link_steps[k.link - A.link_steps.data()].dt = dt;
+        k.impulse = -dt * k.link->link->force;
+    }
+
     void write_step_rows(const Attempt& A, C& k, double dt) const {
+        if (k.link) {
+            const int a = k.link->link->a, b = k.link->link->b;
+            write_link_rows(k, A.start[a].at, A.end[a], A.start[b].at, A.end[b]);
+            if (bodies[a].is_platform()) restrict_to_platform<d>(k.rows_b);
+            if (bodies[b].is_platform()) restrict_to_platform<d>(k.rows_a);
+            return;
+        }
         const Vec<d> start = k.start;
         k.start = (2 / dt) * start;
         const int a = k.feature.point_body, b = k.feature.face_body;
@@ -748,7 +873,7 @@ template <int d> class World {
 
     /// Friction by the slip that it led to; true where it changed.
     bool follow(C& k, double compliance, double dt, double share) const {
-        if (k.state == OPEN) return false;
+        if (k.link || k.state == OPEN) return false;
         const double way = norm_from(k.y, 1);
         double force = 0;
         for (double each : k.impulse) force = std::max(force, std::fabs(each));
@@ -760,7 +885,7 @@ template <int d> class World {
 
     /// Takes the solved step: ledger, places, velocities, memory; then contact at velocity level.
     void finish(Attempt& A, const Piece& piece) {
-        const auto& [begin, dt, ground, cuts, halves] = piece;
+        const auto& [begin, dt, ground, cuts, halves, breaks] = piece;
         counts.contacts += static_cast<long>(A.contacts.size());
         counts.most_contacts = std::max(counts.most_contacts, static_cast<long>(A.contacts.size()));
         follow_slips(A, dt);
@@ -768,6 +893,7 @@ template <int d> class World {
         record_landings(A, dt, begin + dt);
         for (C& k : A.contacts) close_step(A, k, dt);
         const Vec<d> acceleration = ground.mean(dt);
+        for (const C& k : A.links) close_link(A, k, dt, begin + dt, piece.breaks);
         for (int b : A.members) move_body(A, b, dt, acceleration);
         for (int b : A.members) A.start[b].at = bodies[b].placement();
         if (velocity_level) {
@@ -797,11 +923,33 @@ template <int d> class World {
         k.dt = dt;
     }
 
+    /// Books a link; one that is stronger loaded than where it breaks, at an instant that was not found, breaks.
+    void close_link(const Attempt& A, const C& k, double dt, double when, bool breaks) {
+        Link<d>& link = links[k.link->link - links.data()];
+        const Vec<d> reached = link.measure(A.end[link.a], A.end[link.b]);
+        double work = 0;  // on the bodies
+        for (int i = 0; i < link.directions(); i++) {
+            work += k.impulse[i] / dt * (reached[i] - link.extension[i]);
+            link.force[i] = -k.impulse[i] / dt;
+        }
+        ledger.damping += link.take(reached, work);
+        if (breaks && link.load(link.extension) > (1 + BREAKING) * link.strength) ledger.damping += link.fracture(when);
+    }
+
+    static Vec<d> place_change(const Motion& w, double dt) {
+        Vec<d> du;
+        for (int i = 0; i < d; i++) du[i] = 0.5 * dt * w[i];
+        return du;
+    }
+
     void move_body(Attempt& A, int b, double dt, const Vec<d>& acceleration) {
         Body<d>& body = bodies[b];
         const Motion& w = A.w[b];
-        Vec<d> du;
-        for (int i = 0; i < d; i++) du[i] = 0.5 * dt * w[i];
+        for (int i : forces_on_[b]) {
+            const Vec<d> way = place_change(w, dt) + (mul(A.end[b].R, forces[i].arm) - mul(A.start[b].at.R, forces[i].arm));
+            ledger.input += dot(mean_force(A, forces[i], dt), way);
+        }
+        Vec<d> du = place_change(w, dt);
         if (body.is_platform()) du[d - 1] = 0;
         ledger.input -= body.mass * dot(acceleration, du);
         if (body.is_platform()) take_platform(body, du, dt);
@@ -1105,13 +1253,12 @@ template <int d> class World {
     void measure_pairs() {
         std::vector<Feature<d>> none;
         for (PairTold<d>& pair : told) {
-            const Shape<d>&one = shapes[bodies[pair.a].shape], &other = shapes[bodies[pair.b].shape];
-            PlacedShape<d> here, there;
-            here.place(one, bodies[pair.a].placement());
-            there.place(other, bodies[pair.b].placement());
+            PlacedBody<d> here, there;
+            here.place(shapes, bodies[pair.a].parts, bodies[pair.a].placement());
+            there.place(shapes, bodies[pair.b].parts, bodies[pair.b].placement());
             none.clear();
             // No margin cuts the search short: the axis has to be the best of all.
-            pair.gap = NarrowPhase<d>(pair.a, pair.b, one, other, here, there, INFINITY, INSET * size_, none).find();
+            pair.gap = look(pair.a, pair.b, here, there, INFINITY, none);
         }
     }
 
@@ -1122,12 +1269,13 @@ template <int d> class World {
         };
         double lowest = INFINITY;
         Vec<d> way{};
-        for (const Vec<d>& corner : shapes[bodies[b].shape].vertices) {
-            const Vec<d> after = local_place(A.end[b], A.end[carrier], corner);
-            if (after[d - 1] >= lowest) continue;
-            lowest = after[d - 1];
-            way = after - local_place(A.start[b].at, A.start[carrier].at, corner);
-        }
+        for (int number : bodies[b].parts)
+            for (const Vec<d>& corner : shapes[number].vertices) {
+                const Vec<d> after = local_place(A.end[b], A.end[carrier], corner);
+                if (after[d - 1] >= lowest) continue;
+                lowest = after[d - 1];
+                way = after - local_place(A.start[b].at, A.start[carrier].at, corner);
+            }
         return way;
     }
 
@@ -1173,6 +1321,16 @@ template <int d> class World {
         return norm(first) > SLOW * dt * pull && dot(first, last) < 0;
     }
 
+    /// Whether a link is loaded by more than its strength at the end of the step.
+    bool breaks(const Attempt& A, const C& k) const {
+        const Link<d>& link = *k.link->link;
+        return link.load(link.measure(A.end[link.a], A.end[link.b])) > (1 + BREAKING) * link.strength;
+    }
+
+    bool any_breaks(const Attempt& A) const {
+        return std::any_of(A.links.begin(), A.links.end(), [&](const C& k) { return breaks(A, k); });
+    }
+
     bool something_happens(const Attempt& A, double dt, double pull) const {
         for (const C& k : A.contacts) {
             if (A.failed[k.feature.point_body] || A.failed[k.feature.face_body]) continue;
@@ -1184,7 +1342,7 @@ template <int d> class World {
     /// True if a group is stepped to the instant at which something happens. For many bodies that is
     /// dear, and for plastic impacts of first order without.
     bool is_cut(const Attempt& A, const Piece& piece, double pull) const {
-        if (static_cast<int>(A.members.size()) <= LARGEST_CUT) return true;
+        if (static_cast<int>(A.members.size()) <= LARGEST_CUT || (piece.breaks && any_breaks(A))) return true;
         for (const C& k : A.contacts)
             if (k.law->restitution > 0 && strikes(A, k, piece.dt, pull)) return true;
         return false;
@@ -1195,8 +1353,8 @@ template <int d> class World {
         for (int b : A.members) root_[b] = b;
         wide_ = A.margin;
         for (int b : A.members) wide_[b] = 2 * std::max(A.margin[b], A.way[b]);
-        for (const C& k : A.contacts)
-            if (bodies[k.feature.point_body].moves() && bodies[k.feature.face_body].moves()) root_[top(k.feature.point_body)] = top(k.feature.face_body);
+        for (const C& k : A.contacts) join(k);
+        for (const C& k : A.links) join(k);
         for (const auto& [a, b] : broad_.find(A.listed, bodies, A.start, wide_))
             if (bodies[a].moves() && bodies[b].moves()) root_[top(a)] = top(b);
         std::vector<std::vector<int>> groups;
@@ -1225,13 +1383,14 @@ template <int d> class World {
         if (piece.cuts > 0)
             for (const C& k : A.contacts)
                 if (strikes(A, k, piece.dt, pull) || reverses(A, k, piece.dt, pull)) again[group(k)] = 1;
+        if (piece.cuts > 0 && piece.breaks)
+            for (const C& k : A.links)
+                if (breaks(A, k)) again[group(k)] = 1;
         std::vector<int> quiet;
         for (std::size_t g = 0; g < groups.size(); g++)
             if (!again[g]) quiet.insert(quiet.end(), groups[g].begin(), groups[g].end());
-        std::vector<C> kept;
-        for (const C& k : A.contacts)
-            if (!again[group(k)]) kept.push_back(k);
-        A.contacts.swap(kept);
+        for (std::vector<C>* list : {&A.contacts, &A.links})
+            list->erase(std::remove_if(list->begin(), list->end(), [&](const C& k) { return again[group(k)] != 0; }), list->end());
         A.members = quiet;
         finish(A, piece);
         for (std::size_t g = 0; g < groups.size(); g++)
@@ -1254,7 +1413,7 @@ template <int d> class World {
         if (rough_) return false;
         counts.unsettled++;
         rough_ = true;
-        const bool taken = advance(depth + 1, members, {piece.begin, piece.dt, piece.ground, 0});
+        const bool taken = advance(depth + 1, members, {piece.begin, piece.dt, piece.ground, 0, true, piece.breaks});
         rough_ = false;
         return taken;
     }
@@ -1262,6 +1421,7 @@ template <int d> class World {
     /// Steps one group to the first touch or end of slip in it, and on from there.
     bool in_pieces(Attempt& A, int depth, const Piece& piece, double pull) {
         const std::vector<int> members = A.members;
+        if (piece.breaks && any_breaks(A)) return to_fracture(A, depth, piece);
         bool touches = false;
         for (const C& k : A.contacts) touches |= strikes(A, k, piece.dt, pull);
         bool at_start = false;
@@ -1270,7 +1430,7 @@ template <int d> class World {
         if (!touches) length = locate_end_of_slip(A, piece.dt, piece.ground, pull);
         else if (!at_start) length = locate_touch(A, piece.dt, piece.ground);
         // Where no instant was found inside the step: all of it at once.
-        if (!(length > 0)) return advance(depth + 1, members, {piece.begin, piece.dt, piece.ground, 0});
+        if (!(length > 0)) return advance(depth + 1, members, {piece.begin, piece.dt, piece.ground, 0, true, piece.breaks});
         counts.cut++;
         const bool at_once = length < AT_END * piece.dt;
         if (!at_once) finish(A, piece.first(length));
@@ -1278,6 +1438,51 @@ template <int d> class World {
         rest.cuts--;
         if (touches) collide(depth + 1, members, rest.begin);
         return length == piece.dt || advance(depth + 1, members, rest);
+    }
+
+    /// Steps one group to the instant at which a link breaks, and on from there.
+    bool to_fracture(Attempt& A, int depth, const Piece& piece) {
+        const std::vector<int> members = A.members;
+        std::vector<int> breaking;
+        for (const C& k : A.links)
+            if (breaks(A, k)) breaking.push_back(static_cast<int>(k.link->link - links.data()));
+        const double length = locate_fracture(A, piece.dt, piece.ground, breaking);
+        counts.cut++;
+        if (length > AT_END * piece.dt) {
+            Piece before = piece.first(length);
+            before.breaks = false;
+            if (!advance(depth + 1, members, before)) return false;
+        }
+        for (int i : breaking)
+            if (links[i].load(links[i].extension) >= (1 - FRACTURE) * links[i].strength) ledger.damping += links[i].fracture(piece.begin + length);
+        Piece rest = piece.rest(std::max(length, 0.0));
+        rest.cuts--;
+        return !(rest.dt > AT_END * piece.dt) || advance(depth + 1, members, rest);
+    }
+
+    /// Length of the step at whose end the first of some links breaks; 0 where it does at once.
+    double locate_fracture(Attempt& A, double dt, const GroundMotion<d>& ground, const std::vector<int>& breaking) {
+        std::vector<Bracket> brackets(breaking.size());
+        for (std::size_t i = 0; i < breaking.size(); i++) {
+            const Link<d>& link = links[breaking[i]];
+            brackets[i].at_low = link.strength - link.load(link.extension);
+            if (!(brackets[i].at_low > 0)) return 0;
+        }
+        double length = dt;
+        for (int round = 0; round < LOCATING; round++) {
+            double least = INFINITY, next = INFINITY;
+            for (std::size_t i = 0; i < breaking.size(); i++) {
+                const Link<d>& link = links[breaking[i]];
+                const double left = link.strength - link.load(link.measure(A.end[link.a], A.end[link.b]));
+                brackets[i].narrow(length, left);
+                least = std::min(least, left / link.strength);
+                next = std::min(next, brackets[i].root());
+            }
+            if (std::fabs(least) <= BREAKING || !(next < dt)) break;
+            length = next;
+            if (!solve_length(A, length, ground)) break;
+        }
+        return length;
     }
 
     /// Regula falsi (Illinois) for a value that falls from positive to negative.
@@ -1308,7 +1513,7 @@ template <int d> class World {
             A.w[b] = A.begun[b];
             if (bodies[b].is_platform()) set_platform(A, b, length, ground);
         }
-        gather_islands(A, [](const C&) { return true; });
+        gather_islands(A);
         settle_all(A, length, ground);
         for (int b : A.members)
             if (A.failed[b]) return false;
@@ -1554,7 +1759,7 @@ template <int d> class World {
         const Placement<d>& a = A.start[k.feature.point_body].at;
         if constexpr (d == 3)
             if (k.feature.kind == Kind::EDGE_EDGE) {
-                const Shape<3>&own = shapes[bodies[k.feature.point_body].shape], &other = shapes[bodies[k.feature.face_body].shape];
+                const Shape<3>&own = point_shape(k.feature), &other = face_shape(k.feature);
                 const Placement<3>& b = A.start[k.feature.face_body].at;
                 const Edge &x = own.edges[k.feature.point], &y = other.edges[k.feature.face];
                 const Vec<3> P = a.centre + mul(a.R, own.vertices[x.from]), u = mul(a.R, own.vertices[x.to] - own.vertices[x.from]);
@@ -1703,6 +1908,8 @@ template <int d> class World {
     BroadPhase<d> broad_;
     std::deque<Attempt> attempts_;
     std::vector<int> moving_, fixed_, root_, local_, island_of_;
+    std::vector<std::vector<int>> forces_on_;  // of each body
+    std::vector<char> is_member_;
     std::vector<double> wide_;
     std::vector<Way> ways_;
     std::vector<Vec<d>> step_impulse_, step_reading_, before_;

@@ -7,6 +7,7 @@ anticlockwise. Places and velocities are relative to the ground.
 from __future__ import annotations
 
 import ctypes
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from enum import IntEnum
@@ -16,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from solver.kernels.library import library
-from solver.types import Array
+from solver.types import Array, Mask
 
 COUNTS = (
     *("solves", "warm", "newton", "factorizations", "searched", "softened", "interior"),
@@ -74,8 +75,8 @@ class Mobility(IntEnum):
 class Body:
     """A rigid body and how it starts."""
 
-    shape: int
-    """Number of its shape."""
+    shape: int | Sequence[int]
+    """Number of its shape, or of those of its parts, each of which no other body has."""
     mobility: Mobility = Mobility.FREE
     mass: float = 1.0
     thickness: float = 1.0
@@ -95,6 +96,73 @@ class Body:
     velocity: ArrayLike = 0.0
     spin: ArrayLike = 0.0
     """Angular velocity about the body's own axes, rad/s."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LinkLaw:
+    """The law of a link along one direction."""
+
+    stiffness: float = 0.0
+    """k, N/m."""
+    damping: float = 0.0
+    """Coefficient of the dashpot, which acts where the spring does, N s/m."""
+    gap: float = 0.0
+    """Extension before it resists, m; negative: the preload over the stiffness."""
+    compression: bool = True
+    """True if it resists shortening, too."""
+    yields: float = math.inf
+    """Force at which it flows, N."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Link:
+    """A link between two bodies: axial, or along axes that turn with the first one."""
+
+    first: int
+    second: int
+    ends: tuple[ArrayLike, ArrayLike]
+    """Places of its ends on the first and the second body, about their centres, (d,), m."""
+    axes: Array | None = None
+    """Rows of directions in the frame of the first body, (d, d); None: it is axial."""
+    length: ArrayLike = 0.0
+    """Distance of its ends at which it is not extended, m; along axes its components, (d,)."""
+    laws: Sequence[LinkLaw] = ()
+    """One for an axial link, else d."""
+    strength: float = math.inf
+    """Force at which it breaks, N."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LinkStates:
+    """States of links at the ends of steps, (steps, links, ...).
+
+    Axial ones have the first direction alone.
+    """
+
+    extension: Array
+    """m, (..., d)."""
+    force: Array
+    """Mean over the step, in tension, N, (..., d)."""
+    plastic: Array
+    """Plastic part of the extension, m, (..., d)."""
+    broken: Mask
+    broken_at: Array
+    """When it broke, s."""
+    lost: Array
+    """Energy that it had then, J."""
+
+    @classmethod
+    def split(cls, d: int, numbers: Array) -> LinkStates:
+        """The fields, by the numbers as the library writes them."""
+        extension, force, plastic, last = _parted(numbers, (d, d, d, 3))
+        return cls(
+            extension=extension,
+            force=force,
+            plastic=plastic,
+            broken=last[..., 0] > 0,
+            broken_at=last[..., 1],
+            lost=last[..., 2],
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -129,9 +197,11 @@ class Steps:
     """Newton iterations since the start."""
     halved: Array
     """Steps halved since the start."""
+    links: Array
+    """Numbers of the links (`LinkStates.split`), (steps, links, 3 d + 3)."""
 
     @classmethod
-    def split(cls, d: int, of_bodies: Array, of_steps: Array) -> Steps:
+    def split(cls, d: int, of_bodies: Array, of_steps: Array, of_links: Array) -> Steps:
         """The fields, by the numbers as the library writes them."""
         centre, rotation, velocity, spin, turned, slip, impulse, last = _parted(
             of_bodies, _body_widths(d)
@@ -152,6 +222,7 @@ class Steps:
             closed=counts[:, 0],
             iterations=counts[:, 1],
             halved=counts[:, 2],
+            links=of_links,
         )
 
     def followed_by(self, later: Steps) -> Steps:
@@ -231,6 +302,7 @@ class World:
             velocity_level: True if contact is also solved at velocity level after each step.
         """
         self._library, self._count, self._d = library(), 0, dimension
+        self._links = self._forces = 0
         new = self._library.world_new
         new.restype = ctypes.c_void_p
         self._library.world_save.restype = ctypes.c_long
@@ -282,11 +354,38 @@ class World:
             np.broadcast_to(body.velocity, d),
             np.broadcast_to(body.spin, turns),
         ]
-        mobility = int(body.mobility)
+        mobility, shapes = int(body.mobility), np.atleast_1d(body.shape)
         self._library.world_body(
-            self._handle, body.shape, mobility, _numbers(np.concatenate(parts))
+            self._handle, _integers(shapes), len(shapes), mobility, _numbers(np.concatenate(parts))
         )
         self._count += 1
+
+    def link(self, link: Link) -> None:
+        """Add a link; both of its bodies are there."""
+        d = self._d
+        axes = np.eye(d) if link.axes is None else link.axes
+        laws = [*link.laws, *[LinkLaw()] * (d - len(link.laws))]
+        parts = [
+            np.broadcast_to(link.ends[0], d),
+            np.broadcast_to(link.ends[1], d),
+            np.ravel(axes),
+            np.broadcast_to(link.length, d),
+            np.array([link.strength]),
+            *(np.array([x.stiffness, x.damping, x.gap, x.compression, x.yields]) for x in laws),
+        ]
+        axial = int(link.axes is None)
+        self._library.world_link(
+            self._handle, link.first, link.second, axial, _numbers(np.concatenate(parts))
+        )
+        self._links += 1
+
+    def force(self, body: int, arm: ArrayLike) -> None:
+        """Add a force on a point of a body, by its place about the centre, (d,), m.
+
+        Its values are given to `run`.
+        """
+        self._library.world_force(self._handle, body, _numbers(arm))
+        self._forces += 1
 
     def begin(
         self, laws: Sequence[ArrayLike], law_of: ArrayLike, carriers: Sequence[Sequence[int]]
@@ -304,7 +403,15 @@ class World:
         counts = _integers([len(each) for each in carriers])
         self._library.world_begin(self._handle, _integers(law_of), flat, counts)
 
-    def run(self, count: int, dt: float, smallest: float, ground: Array, shift: Array) -> Steps:
+    def run(
+        self,
+        count: int,
+        dt: float,
+        smallest: float,
+        ground: Array,
+        shift: Array,
+        forces: Array | None = None,
+    ) -> Steps:
         """Take steps; fewer than `count` where one was not solved.
 
         Args:
@@ -313,8 +420,11 @@ class World:
             smallest: Length below which none is divided.
             ground: Accelerations of the ground at the ends of the steps, (count + 1, d), m/s2.
             shift: By how much the mean over each step exceeds that of its ends, (count, d), m/s2.
+            forces: Applied forces at the ends of the steps, (count + 1, forces, d), N; None: 0.
         """
-        of_bodies, of_steps = self._room(count)
+        of_bodies, of_steps, of_links = self._room(count)
+        if forces is None:
+            forces = np.zeros((count + 1, self._forces, self._d))
         done = self._library.world_run(
             self._handle,
             count,
@@ -322,20 +432,27 @@ class World:
             ctypes.c_double(smallest),
             _numbers(ground),
             _numbers(shift),
+            _numbers(forces),
             _place(of_bodies),
             _place(of_steps),
+            _place(of_links),
         )
-        return Steps.split(self._d, of_bodies[:done], of_steps[:done])
+        return Steps.split(self._d, of_bodies[:done], of_steps[:done], of_links[:done])
 
     def now(self) -> Steps:
         """The state at the moment, as that of one step."""
-        of_bodies, of_steps = self._room(1)
-        self._library.world_state(self._handle, _place(of_bodies), _place(of_steps))
-        return Steps.split(self._d, of_bodies, of_steps)
+        rooms = self._room(1)
+        self._library.world_state(self._handle, *map(_place, rooms))
+        return Steps.split(self._d, *rooms)
 
-    def _room(self, count: int) -> tuple[Array, Array]:
+    def _room(self, count: int) -> tuple[Array, Array, Array]:
+        """Room for what the library writes of bodies, steps and links."""
         of_bodies, of_step = sum(_body_widths(self._d)), sum(_step_widths(self._d))
-        return np.empty((count, self._count, of_bodies)), np.empty((count, of_step))
+        return (
+            np.empty((count, self._count, of_bodies)),
+            np.empty((count, of_step)),
+            np.empty((count, self._links, 3 * self._d + 3)),
+        )
 
     def collisions(self) -> list[Collision]:
         """The collisions since the last call."""
