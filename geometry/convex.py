@@ -162,10 +162,9 @@ def _merged(points: Array, triangles: Indices, tolerance: float) -> list[list[in
     corners are all within the tolerance of its plane. So a sliver, whose own normal is round-off,
     goes to the face beside it.
     """
+    corners = [[int(k) for k in tri] for tri in triangles]
     across = {
-        (int(tri[k]), int(tri[(k + 1) % 3])): number
-        for number, tri in enumerate(triangles)
-        for k in range(3)
+        (tri[k], tri[(k + 1) % 3]): number for number, tri in enumerate(corners) for k in range(3)
     }
     a, b, c = (points[triangles[:, k]] for k in range(3))
     normals = np.cross(b - a, c - a)
@@ -179,9 +178,9 @@ def _merged(points: Array, triangles: Indices, tolerance: float) -> list[list[in
         number, region, waiting = len(loops), [seed], [seed]
         taken[seed] = number
         while waiting:
-            tri = triangles[waiting.pop()]
+            tri = corners[waiting.pop()]
             for k in range(3):
-                beside = across[int(tri[(k + 1) % 3]), int(tri[k])]
+                beside = across[tri[(k + 1) % 3], tri[k]]
                 if taken[beside] >= 0:
                     continue
                 off = (points[triangles[beside]] - points[triangles[seed][0]]) @ normal
@@ -196,17 +195,16 @@ def _merged(points: Array, triangles: Indices, tolerance: float) -> list[list[in
         loop = _outline(triangles[region])
         if loop is None:  # not one ring: the triangles stay as they are
             taken[region[1:]] = -2
-            loop = [int(k) for k in triangles[seed]]
-            loops.append(loop)
+            loops.append(corners[seed])
             for other in region[1:]:
                 taken[other] = len(loops)
-                loops.append([int(k) for k in triangles[other]])
+                loops.append(corners[other])
         else:
             loops.append(loop)
     straight = _without_straight_edges(points, loops)
     if min(len(loop) for loop in straight) > 2:
         return [_begun_well(points, loop) for loop in straight]
-    return [[int(k) for k in tri] for tri in triangles]
+    return corners
 
 
 def _outline(triangles: Indices) -> list[int] | None:

@@ -78,8 +78,8 @@ def together(all_of_them: Iterable[Moments]) -> Moments:
     """Moments of regions or masses that do not overlap, by Steiner's theorem."""
     parts = list(all_of_them)
     volume = math.fsum(part.volume for part in parts)
-    centre = sum((part.volume * part.centre for part in parts), np.zeros_like(parts[0].centre))
-    centre = centre / volume
+    weights = np.array([part.volume for part in parts]) / volume
+    centre: Array = weights @ np.array([part.centre for part in parts])
     spread: Array = np.zeros_like(parts[0].spread)
     for part in parts:
         arm = part.centre - centre
