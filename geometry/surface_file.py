@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from geometry.ply_file import read_ply
 from geometry.polygon import size_of, told
-from geometry.surface import Surface, merged, refuse_too_many
+from geometry.surface import MOST, Surface, merged, refuse_too_many
 from solver.types import Array, Indices
 
 LARGEST = 100.0
@@ -18,7 +20,7 @@ LARGEST = 100.0
 
 
 def read_surface(path: str | Path, scale: float = 1.0) -> Surface:
-    """The closed surface in a file: .stl, .obj, .ply, .vtu (read by VTK), .msh (by Gmsh).
+    """The closed surface in a file: .stl, .obj, .vtu (read by VTK), .ply, .msh (by Gmsh).
 
     Of meshes with cells it is the boundary of these, of others their facets; quadrilaterals are cut
     into triangles. Points that are one place are one point (`geometry.surface.merged`).
@@ -48,6 +50,9 @@ def read_surface(path: str | Path, scale: float = 1.0) -> Surface:
     if not len(triangles):
         raise ValueError(f"{file}: got no facets, allowed a closed surface")
     refuse_too_many(len(triangles), str(file))
+    if triangles.min() < 0 or triangles.max() >= len(points):
+        worst = triangles.min() if triangles.min() < 0 else triangles.max()
+        raise ValueError(f"{file}: got a facet with point {worst}, allowed 0 to {len(points) - 1}")
     bad = ~np.isfinite(points).all(axis=1)
     if bad.any():
         raise ValueError(
@@ -103,7 +108,7 @@ def _from_obj(file: Path) -> tuple[Array, Indices]:
 
 def _from_ply(file: Path) -> tuple[Array, Indices]:
     """Points and triangles of a PLY file."""
-    return _by_vtk("vtkIOPLY", "vtkPLYReader", file)
+    return read_ply(file, MOST)
 
 
 def _from_vtu(file: Path) -> tuple[Array, Indices]:
@@ -215,23 +220,24 @@ def _triangles(surface: Any) -> tuple[Array, Indices]:
 
 def _output(module: str, name: str, file: Path) -> Any:
     """What a reader of VTK makes of a file; ValueError, and no word on the screen, if it fails."""
-    from importlib import import_module
+    from vtkmodules.vtkCommonCore import vtkLogger, vtkOutputWindow, vtkStringOutputWindow
 
-    reader = getattr(import_module(f"vtkmodules.{module}"), name)()
-    said: list[str] = []
-
-    def hear(caller: Any, event: str, text: str) -> None:
-        """Keep what VTK would print."""
-        said.append(" ".join(text.split("):")[-1].split()))
-
-    hear.CallDataType = "string0"  # type: ignore[attr-defined]
-    for event in ("ErrorEvent", "WarningEvent"):
-        reader.AddObserver(event, hear)
-    reader.SetFileName(str(file))
-    reader.Update()
-    if said:
-        raise ValueError(f"got what VTK does not read ({said[0][:100]}), allowed a surface")
-    return reader.GetOutput()
+    before, ours = vtkOutputWindow.GetInstance(), vtkStringOutputWindow()
+    loudness = vtkLogger.GetCurrentVerbosityCutoff()
+    vtkOutputWindow.SetInstance(ours)
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
+    try:
+        reader = getattr(import_module(f"vtkmodules.{module}"), name)()
+        reader.SetFileName(str(file))
+        reader.Update()
+        found, said = reader.GetOutput(), ours.GetOutput()
+    finally:
+        vtkOutputWindow.SetInstance(before)
+        vtkLogger.SetStderrVerbosity(loudness)
+    if said.strip():
+        words = " ".join(said.splitlines()[0].split("): ")[-1].split())
+        raise ValueError(f"got what VTK does not read ({words[:100]}), allowed a surface")
+    return found
 
 
 READERS: dict[str, Callable[[Path], tuple[Array, Indices]]] = {
