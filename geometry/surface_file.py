@@ -234,8 +234,13 @@ def _output(module: str, name: str, file: Path) -> Any:
     finally:
         vtkOutputWindow.SetInstance(before)
         vtkLogger.SetStderrVerbosity(loudness)
-    if said.strip():
-        words = " ".join(said.splitlines()[0].split("): ")[-1].split())
+    if isinstance(said, bytes):  # words of the file that are no text
+        said = said.decode("utf-8", "replace")
+    lines = said.splitlines()
+    # Warnings are of what is no shape, such as the colours of points.
+    wrong = [k for k, line in enumerate(lines[:-1]) if line.startswith("ERROR")]
+    if wrong:
+        words = lines[wrong[0] + 1].split("): ")[-1].strip().replace(str(file), "it")
         raise ValueError(f"got what VTK does not read ({words[:100]}), allowed a surface")
     return found
 

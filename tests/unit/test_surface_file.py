@@ -188,6 +188,22 @@ def test_a_body_inside_out_is_turned(tmp_path: Path) -> None:
     assert read_surface(tmp_path / "a.stl").volume == pytest.approx(1.0)
 
 
+@pytest.mark.parametrize(
+    ("points", "faces"),
+    [
+        ("v {} {} {} 0.1 0.2 0.3", "f {}/1 {}/1 {}/1 {}/1"),  # colours, and texture
+        ("v {} {} {}", "usemtl wood\ns 1\nf {}//2 {}//2 {}//2 {}//2"),
+        ("v {} {} {} 1.0", "f {} {} {} \\\n{}"),
+    ],
+)
+def test_what_obj_files_hold_besides(points: str, faces: str, tmp_path: Path) -> None:
+    lines = ["mtllib none.mtl", *(points.format(*place) for place in CUBE)]
+    lines += ["vt 0 0", "vn 0 0 1", "vn 0 1 0"]
+    lines += [faces.format(*(k + 1 for k in quad)) for quad in QUADS]
+    (tmp_path / "a.obj").write_text("\r\n".join(lines).replace("\\\n", "\\\r\n"))
+    assert read_surface(tmp_path / "a.obj").volume == pytest.approx(1.0)
+
+
 # ----------------------------------------------------------------------------------- meshes
 
 
