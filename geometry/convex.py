@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geometry.moments import Moments, moments_of
+from geometry.moments import Moments, changed, moments_of
 from geometry.polygon import edges_of, real_points, size_of, told
 from solver.types import Array, Indices
 
@@ -72,11 +72,18 @@ class Convex:
 
     def moved(self, by: ArrayLike) -> Convex:
         """This shape moved by a vector (d,), m."""
-        return replace(self, corners=self.corners + np.asarray(by, dtype=np.float64))
+        step = np.asarray(by, dtype=np.float64)
+        return changed(self, corners=self.corners + step, moments=self.moments.moved(step))
 
     def rotated(self, rotation: Array) -> Convex:
         """This shape turned about the origin by a rotation matrix (d, d)."""
-        return replace(self, corners=self.corners @ rotation.T)
+        corners = self.corners @ rotation.T
+        return changed(self, corners=corners, moments=self.moments.rotated(rotation))
+
+    def with_density(self, density: float) -> Convex:
+        """This shape with another density, kg/m^3."""
+        refuse_density(density, "Convex.density")
+        return changed(self, density=density)
 
 
 def refuse_density(density: float | None, name: str) -> None:

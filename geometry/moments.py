@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from copy import copy
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
 from solver.types import Array, Indices
+
+Shape = TypeVar("Shape")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -30,11 +34,26 @@ class Moments:
         """Those of the region moved by a vector (d,), m."""
         return Moments(volume=self.volume, centre=self.centre + by, spread=self.spread)
 
+    def rotated(self, rotation: Array) -> Moments:
+        """Those of the region turned about the origin by a rotation matrix (d, d)."""
+        spread = rotation @ self.spread @ rotation.T
+        return Moments(volume=self.volume, centre=rotation @ self.centre, spread=spread)
+
     @property
     def inertia(self) -> Array | float:
         """Inertia about the centre: tr(S) 1 - S of the spread S, (3, 3); in the plane tr(S)."""
         trace = float(np.trace(self.spread))
         return trace if len(self.centre) == 2 else trace * np.eye(3) - self.spread
+
+
+def changed(shape: Shape, **fields: object) -> Shape:
+    """A copy of a frozen shape with other fields, known to be as good: not checked again."""
+    other = copy(shape)
+    for name, value in fields.items():
+        if isinstance(value, np.ndarray):
+            value.setflags(write=False)
+        object.__setattr__(other, name, value)
+    return other
 
 
 def moments_of(points: Array, facets: Indices) -> Moments:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geometry.moments import Moments, moments_of
+from geometry.moments import Moments, changed, moments_of
 from geometry.polygon import real_points, size_of, told
 from solver.types import Array, Indices
 
@@ -88,11 +88,13 @@ class Surface:
 
     def moved(self, by: ArrayLike) -> Surface:
         """This surface moved by a vector (3,), m."""
-        return replace(self, points=self.points + np.asarray(by, dtype=np.float64))
+        step = np.asarray(by, dtype=np.float64)
+        return changed(self, points=self.points + step, moments=self.moments.moved(step))
 
     def rotated(self, rotation: Array) -> Surface:
         """This surface turned about the origin by a rotation matrix (3, 3)."""
-        return replace(self, points=self.points @ rotation.T)
+        points = self.points @ rotation.T
+        return changed(self, points=points, moments=self.moments.rotated(rotation))
 
 
 def refuse_too_many(count: int, name: str) -> None:

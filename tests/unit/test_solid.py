@@ -320,7 +320,11 @@ def test_hulls_of_points(count: int, seed: int) -> None:
     assert np.asarray(body.inertia) == pytest.approx(3 * inertia, abs=1e-11 * scale)
     turn, by = rotation(seed), chance.normal(size=3) * 10
     other = body.rotated(turn).moved(by)
-    assert other.mass == pytest.approx(body.mass, rel=1e-11)
+    anew = Convex(corners=other.corners, faces=part.faces, density=3.0)
+    fresh = Solid(parts=(anew,))  # checked and integrated again
+    assert other.masses.spread == pytest.approx(fresh.masses.spread, abs=1e-9 * scale)
+    assert other.centre == pytest.approx(fresh.centre, abs=1e-10)
+    assert other.mass == pytest.approx(fresh.mass, rel=1e-11)
     assert other.centre == pytest.approx(turn @ body.centre + by, abs=1e-10)
     assert np.asarray(other.inertia) == pytest.approx(
         turn @ np.asarray(body.inertia) @ turn.T, abs=1e-9 * scale
@@ -341,7 +345,9 @@ def test_hulls_in_the_plane(count: int, seed: int) -> None:
 
 def test_far_from_the_origin_nothing_is_lost() -> None:
     near = cylinder(0.4, 1.0, 12, STEEL)
-    far = near.moved([1e4, -1e4, 1e4])
+    moved = near.moved([1e4, -1e4, 1e4])
+    part = Convex(corners=moved.corners, faces=near.parts[0].faces, density=STEEL)
+    far = Solid(parts=(part,))  # integrated there
     assert np.asarray(far.inertia) == pytest.approx(np.asarray(near.inertia), rel=1e-9, abs=1e-8)
 
 
