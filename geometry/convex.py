@@ -1,0 +1,355 @@
+"""Convex polygons and polyhedra of uniform density, and the convex hull of points."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from geometry.moments import Moments, changed, moments_of
+from geometry.polygon import edges_of, real_points, size_of, told
+from solver.types import Array, Indices
+
+FLAT = 1e-5
+"""How far, as a part of the size, a corner may be off the plane of its face or above another."""
+
+Faces = tuple[tuple[int, ...], ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Convex:
+    """A convex polygon (d = 2) or polyhedron (d = 3) of uniform density.
+
+    Raises:
+        ValueError: of what is no such shape: corners that are no numbers, faces that do not close
+            it, are not flat, are seen clockwise from outside, or do not make it convex.
+    """
+
+    corners: Array
+    """Corners, (n, d), m; those of a polygon anticlockwise. Not to be written to."""
+    faces: Faces
+    """Numbers of the corners around each face, anticlockwise seen from outside, each pair of faces
+    in different planes; of a polygon its edges (0, 1), (1, 2), ..."""
+    density: float
+    """rho, kg/m^3, > 0."""
+    moments: Moments = field(init=False)
+    """Volume, centre and second moments without the density; of a polygon those of its area."""
+
+    def __post_init__(self) -> None:
+        """Refuse what is not convex, and integrate."""
+        refuse_density(self.density, "Convex.density")
+        corners = real_points(self.corners, "Convex.corners", 2, 3)
+        faces = tuple(tuple(int(k) for k in face) for face in self.faces)
+        size = size_of(corners)
+        if not size > 0:
+            raise ValueError("Convex.corners: got one place, allowed corners of a convex shape")
+        if corners.shape[1] == 2:
+            _check_polygon(corners, faces, size)
+            facets = edges_of(len(corners))
+        else:
+            _check_polyhedron(corners, faces, size)
+            facets = triangles_of(faces)
+        moments = moments_of(corners, facets)
+        if not moments.volume > 0:
+            raise ValueError(
+                f"Convex: got the volume {moments.volume:.3g}, allowed > 0, faces outwards"
+            )
+        corners.setflags(write=False)
+        for name, value in (("corners", corners), ("faces", faces), ("moments", moments)):
+            object.__setattr__(self, name, value)
+
+    @property
+    def dimension(self) -> int:
+        """2 in the plane, 3 in space."""
+        return self.corners.shape[1]
+
+    @property
+    def normals(self) -> Array:
+        """Outward unit normals of the faces, (faces, d)."""
+        return normals_of(self.corners, self.faces)
+
+    def moved(self, by: ArrayLike) -> Convex:
+        """This shape moved by a vector (d,), m."""
+        step = np.asarray(by, dtype=np.float64)
+        return changed(self, corners=self.corners + step, moments=self.moments.moved(step))
+
+    def rotated(self, rotation: Array) -> Convex:
+        """This shape turned about the origin by a rotation matrix (d, d)."""
+        corners = self.corners @ rotation.T
+        return changed(self, corners=corners, moments=self.moments.rotated(rotation))
+
+    def with_density(self, density: float) -> Convex:
+        """This shape with another density, kg/m^3."""
+        refuse_density(density, "Convex.density")
+        return changed(self, density=density)
+
+
+def refuse_density(density: float | None, name: str) -> None:
+    """ValueError for what is no density."""
+    if density is None or not (math.isfinite(density) and density > 0):
+        raise ValueError(f"{name}: got {density}, allowed a number > 0, kg/m3")
+
+
+def polygon_faces(count: int) -> Faces:
+    """The faces of a polygon with so many corners: its edges."""
+    return tuple((k, (k + 1) % count) for k in range(count))
+
+
+def triangles_of(faces: Faces) -> Indices:
+    """The faces of a polyhedron as triangles, fans about their first corners, (m, 3)."""
+    fans = [(face[0], face[k - 1], face[k]) for face in faces for k in range(2, len(face))]
+    return np.array(fans, dtype=np.int64)
+
+
+def normals_of(corners: Array, faces: Faces) -> Array:
+    """Outward unit normals of faces by Newell's formula, (faces, d)."""
+    rows = []
+    for face in faces:
+        ring = corners[list(face)]
+        if corners.shape[1] == 2:
+            rows.append([ring[1, 1] - ring[0, 1], ring[0, 0] - ring[1, 0]])
+        else:
+            ring = ring - ring[0]
+            rows.append(np.cross(ring, np.roll(ring, -1, axis=0)).sum(axis=0))
+    normals = np.array(rows)
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    return np.asarray(normals / np.where(lengths > 0, lengths, 1.0))
+
+
+def hull_of(points: ArrayLike, tolerance: float, name: str = "hull") -> tuple[Array, Faces]:
+    """Corners and faces of the convex hull of points, by Qhull.
+
+    In space a face is what lies within `tolerance` of the plane of its largest triangle; points in
+    the midst of a face, or of a straight edge, are no corners.
+
+    Args:
+        points: (n, d), m.
+        tolerance: As a part of the size; 1e-6 for numbers of single precision, such as in STL.
+        name: What errors call it.
+
+    Raises:
+        ValueError: points that are no numbers, or on one line or in one plane.
+    """
+    from scipy.spatial import ConvexHull, QhullError  # slow to import
+
+    given = real_points(points, name, 2, 3)
+    dimension = given.shape[1]
+    size = size_of(given) if len(given) else 0.0
+    flat = "one line" if dimension == 2 else "one plane"
+    trouble = ValueError(f"{name}: got {len(given)} points, all in {flat}, allowed others as well")
+    if len(given) <= dimension or not size > 0:
+        raise trouble
+    origin = (given.max(axis=0) + given.min(axis=0)) / 2
+    scaled = (given - origin) / size
+    if np.linalg.svd(scaled, compute_uv=False)[-1] <= 1e-9 * math.sqrt(len(given)):
+        raise trouble
+    try:
+        found = ConvexHull(scaled)
+    except QhullError:
+        raise trouble from None
+    if dimension == 2:
+        numbers = _turning(scaled, [int(k) for k in found.vertices], tolerance)
+        return given[numbers], polygon_faces(len(numbers))
+    triangles = np.array(found.simplices, dtype=np.int64)
+    a, b, c = (scaled[triangles[:, k]] for k in range(3))
+    inward = np.einsum("ni,ni->n", np.cross(b - a, c - a), found.equations[:, :3]) < 0
+    triangles[inward] = triangles[inward][:, [0, 2, 1]]
+    faces = _merged(scaled, triangles, tolerance)
+    numbers = sorted({k for face in faces for k in face})
+    place = {number: k for k, number in enumerate(numbers)}
+    return given[numbers], tuple(tuple(place[k] for k in face) for face in faces)
+
+
+def _merged(points: Array, triangles: Indices, tolerance: float) -> list[list[int]]:
+    """Loops around the flat faces of a convex hull of triangles, without corners on straight edges.
+
+    The largest triangle that is left begins a face; the face grows over edges to triangles whose
+    corners are all within the tolerance of its plane. So a sliver, whose own normal is round-off,
+    goes to the face beside it.
+    """
+    corners = [[int(k) for k in tri] for tri in triangles]
+    across = {
+        (tri[k], tri[(k + 1) % 3]): number for number, tri in enumerate(corners) for k in range(3)
+    }
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    normals = np.cross(b - a, c - a)
+    areas = np.linalg.norm(normals, axis=1)
+    taken = np.full(len(triangles), -1)
+    loops: list[list[int]] = []
+    for seed in map(int, np.argsort(-areas, kind="stable")):
+        if taken[seed] >= 0:
+            continue
+        normal = normals[seed] / areas[seed] if areas[seed] > 0 else np.zeros(3)
+        number, region, waiting = len(loops), [seed], [seed]
+        taken[seed] = number
+        while waiting:
+            tri = corners[waiting.pop()]
+            for k in range(3):
+                beside = across[tri[(k + 1) % 3], tri[k]]
+                if taken[beside] >= 0:
+                    continue
+                off = (points[triangles[beside]] - points[triangles[seed][0]]) @ normal
+                # Not over the edge of a body so thin that its other side is as near.
+                if (
+                    np.abs(off).max() <= tolerance
+                    and normals[beside] @ normal >= -areas[beside] / 2
+                ):
+                    taken[beside] = number
+                    region.append(beside)
+                    waiting.append(beside)
+        loop = _outline(triangles[region])
+        if loop is None:  # not one ring: the triangles stay as they are
+            taken[region[1:]] = -2
+            loops.append(corners[seed])
+            for other in region[1:]:
+                taken[other] = len(loops)
+                loops.append(corners[other])
+        else:
+            loops.append(loop)
+    straight = _without_straight_edges(points, loops)
+    if min(len(loop) for loop in straight) > 2:
+        return [_begun_well(points, loop) for loop in straight]
+    return corners
+
+
+def _outline(triangles: Indices) -> list[int] | None:
+    """The one loop around a region of triangles; None if it is not one, or passes a point twice."""
+    edges = {(int(tri[k]), int(tri[(k + 1) % 3])) for tri in triangles for k in range(3)}
+    following = {start: end for start, end in edges if (end, start) not in edges}
+    rim = sum((end, start) not in edges for start, end in edges)
+    start = min(following)
+    loop, here = [start], following[start]
+    while here != start and len(loop) <= rim:
+        loop.append(here)
+        here = following[here]
+    return loop if len(loop) == rim == len(following) else None
+
+
+def _without_straight_edges(points: Array, loops: list[list[int]]) -> list[list[int]]:
+    """Loops without corners that only two faces have: there nothing but a straight edge passes."""
+    faces_at: dict[int, int] = {}
+    for loop in loops:
+        for corner in loop:
+            faces_at[corner] = faces_at.get(corner, 0) + 1
+    return [[corner for corner in loop if faces_at[corner] > 2] for loop in loops]
+
+
+def _begun_well(points: Array, loop: list[int]) -> list[int]:
+    """The same loop, begun where its first three corners give its plane best."""
+    ring = points[loop]
+    first, second = np.roll(ring, -1, axis=0) - ring, np.roll(ring, -2, axis=0) - ring
+    best = int(np.argmax(np.round(np.linalg.norm(np.cross(first, second), axis=1), 9)))
+    return [*loop[best:], *loop[:best]]
+
+
+def _turning(points: Array, ring: list[int], tolerance: float) -> list[int]:
+    """The corners of a convex ring that are off the line past them by more than the tolerance."""
+    kept, place = list(ring), 0
+    while place < len(kept) and len(kept) > 3:
+        a, b, c = (points[kept[(place + k) % len(kept)]] for k in (-1, 0, 1))
+        side = c - a
+        if abs(side[0] * (b - a)[1] - side[1] * (b - a)[0]) <= tolerance * math.hypot(*side):
+            del kept[place]
+            place = max(place - 1, 0)
+        else:
+            place += 1
+    return kept
+
+
+def _check_polygon(corners: Array, faces: Faces, size: float) -> None:
+    """A convex polygon turns left at each corner, once round in all."""
+    count = len(corners)
+    if count < 3:
+        raise ValueError(f"Convex.corners: got {count} corners, allowed 3 or more")
+    if faces != polygon_faces(count):
+        raise ValueError(f"Convex.faces: got {faces[:3]} ..., allowed (0, 1), (1, 2), ...")
+    place = _not_convex(corners, np.array([0.0, 0.0]), size)
+    if place is not None:
+        raise ValueError(
+            f"Convex.corners: got a corner that is not convex at {told(corners[place])},"
+            " allowed a convex polygon, anticlockwise"
+        )
+
+
+def _not_convex(ring: Array, normal: Array, size: float) -> int | None:
+    """Number of a corner of a flat ring that does not turn left; None if it is convex.
+
+    Args:
+        ring: Corners, (n, 2) or (n, 3).
+        normal: Unit normal towards whom they turn left; not used of (n, 2).
+        size: The size of the body, m.
+    """
+    sides = np.roll(ring, -1, axis=0) - ring
+    before = np.roll(sides, 1, axis=0)
+    lengths = np.linalg.norm(sides, axis=1)
+    if (lengths <= 1e-12 * size).any():
+        return int(np.argmin(lengths))
+    if ring.shape[1] == 2:
+        across = before[:, 0] * sides[:, 1] - before[:, 1] * sides[:, 0]
+    else:
+        across = np.cross(before, sides) @ normal
+    angles = np.arctan2(across, np.einsum("ni,ni->n", before, sides))
+    off = -across / np.maximum(np.linalg.norm(sides + before, axis=1), 1e-300)
+    if (off > FLAT * size).any() or not abs(angles.sum() - 2 * math.pi) < 1:
+        return int(np.argmin(angles))
+    return None
+
+
+def _check_polyhedron(corners: Array, faces: Faces, size: float) -> None:
+    """Faces that are flat, convex, anticlockwise, close the body, and bend inwards at all edges.
+
+    Convex at each edge, and closed like a ball, is convex (Tietze and Nakajima).
+    """
+    owner: dict[tuple[int, int], int] = {}
+    for number, face in enumerate(faces):
+        if len(set(face)) != len(face) or len(face) < 3:
+            raise ValueError(f"Convex.faces: got {face}, allowed 3 or more different corners")
+        if not all(0 <= k < len(corners) for k in face):
+            raise ValueError(
+                f"Convex.faces: got {face}, allowed numbers of the {len(corners)} corners"
+            )
+        for pair in zip(face, [*face[1:], face[0]], strict=True):
+            if pair in owner:
+                raise ValueError(
+                    f"Convex.faces: got the edge {pair} in two faces in the same sense,"
+                    " allowed faces anticlockwise seen from outside"
+                )
+            owner[pair] = number
+    for start, end in owner:
+        if (end, start) not in owner:
+            raise ValueError(
+                f"Convex.faces: got an edge {(start, end)} with one face, allowed a closed body"
+            )
+    used = {k for face in faces for k in face}
+    euler = len(corners) - len(owner) // 2 + len(faces)
+    if len(used) != len(corners) or euler != 2:
+        raise ValueError(
+            f"Convex.faces: got corners - edges + faces = {euler}, {len(corners) - len(used)}"
+            " corners in no face, allowed 2 and 0 (Euler)"
+        )
+    normals = normals_of(corners, faces)
+    levels = np.array([corners[face[0]] @ n for face, n in zip(faces, normals, strict=True)])
+    for number, face in enumerate(faces):
+        ring = corners[list(face)]
+        off = np.abs((ring - ring[0]) @ normals[number]).max()
+        if off > FLAT * size or not normals[number].any():
+            raise ValueError(
+                f"Convex.faces: got a face at {told(ring[0])} that is not flat by {off:.3g} m,"
+                f" allowed {FLAT * size:.3g}"
+            )
+        place = _not_convex(ring, normals[number], size)
+        if place is not None:
+            raise ValueError(
+                f"Convex.faces: got a face with a corner at {told(ring[place])} that is not"
+                " convex, allowed convex faces"
+            )
+        beside = {owner[e, s] for s, e in zip(face, [*face[1:], face[0]], strict=True)}
+        for other in beside:
+            above = float((corners[list(faces[other])] @ normals[number]).max()) - levels[number]
+            if above > FLAT * size:
+                raise ValueError(
+                    f"Convex.corners: got a corner {above:.3g} m above a face at {told(ring[0])},"
+                    " allowed a convex polyhedron, faces outwards"
+                )

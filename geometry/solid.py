@@ -1,0 +1,524 @@
+"""Bodies of any shape, of convex parts: mass, centre and inertia, and what makes such bodies.
+
+A solid stands for a body in its own frame, in the plane (x, upwards) or in space (x, y, upwards).
+Contact sees its convex parts; its mass properties come from them, too, or from a surface of its own
+where the parts are only a hull around it. Round shapes are facets: `chord_error` says how far off.
+"""
+
+from __future__ import annotations
+
+import importlib
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from geometry.convex import (
+    Convex,
+    Faces,
+    hull_of,
+    polygon_faces,
+    refuse_density,
+    triangles_of,
+)
+from geometry.moments import Moments, together
+from geometry.polygon import NEAR, convex_pieces, real_points, simple_polygon, size_of, told, turn
+from geometry.surface import Surface
+from geometry.surface_file import read_surface
+from solver.types import Array
+
+__all__ = [
+    "Convex",
+    "Solid",
+    "Surface",
+    "chord_error",
+    "cylinder",
+    "hull",
+    "of_surface",
+    "polygon",
+    "prism",
+    "read_surface",
+    "regular",
+    "turned",
+    "union",
+]
+
+SINGLE = 1e-6
+"""What a number of single precision, as most files of surfaces have them, is good for as a part of
+the size: corners so near to a plane are on it."""
+
+MOST_SIDES = 1000
+"""Facets that a round shape may have."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Solid:
+    """A rigid body's shape and mass, of convex parts that do not overlap.
+
+    Raises:
+        ValueError: no parts, parts of the plane and of space, a thickness or density <= 0, a
+            surface without density or the other way round.
+    """
+
+    parts: tuple[Convex, ...]
+    """What contact sees."""
+    thickness: float = 1.0
+    """t, m, > 0, across the plane; not used in space."""
+    surface: Surface | None = None
+    """The true surface, in space, that volume, mass, centre and inertia are of; else of parts."""
+    density: float | None = None
+    """rho within the surface, kg/m^3, > 0; None without one: each part has its own."""
+    masses: Moments = field(init=False)
+    """Mass, centre and its second moments about it."""
+
+    def __post_init__(self) -> None:
+        """Refuse what is no body, and integrate."""
+        if not self.parts:
+            raise ValueError("Solid.parts: got none, allowed one or more")
+        if len({part.dimension for part in self.parts}) > 1:
+            raise ValueError(
+                "Solid.parts: got polygons and polyhedra, allowed parts of one dimension"
+            )
+        _refuse_not_positive("Solid.thickness", self.thickness)
+        if self.surface is None:
+            if self.density is not None:
+                raise ValueError(
+                    f"Solid.density: got {self.density}, allowed None without a surface:"
+                    " parts have densities of their own"
+                )
+            deep = self.thickness if self.dimension == 2 else 1.0
+            masses = together(part.moments.times(part.density * deep) for part in self.parts)
+        else:
+            refuse_density(self.density, "Solid.density")
+            if self.dimension == 2:
+                raise ValueError("Solid.surface: got a surface, allowed None in the plane")
+            masses = self.surface.moments.times(self.density or 0.0)
+        object.__setattr__(self, "masses", masses)
+
+    @property
+    def dimension(self) -> int:
+        """2 in the plane, 3 in space."""
+        return self.parts[0].dimension
+
+    @property
+    def volume(self) -> float:
+        """V, m^3; of the surface where there is one."""
+        return self.parts_volume if self.surface is None else self.surface.volume
+
+    @property
+    def parts_volume(self) -> float:
+        """Volume of the convex parts, m^3."""
+        deep = self.thickness if self.dimension == 2 else 1.0
+        return deep * math.fsum(part.moments.volume for part in self.parts)
+
+    @property
+    def hull_excess(self) -> float:
+        """Volume of the parts over that of the surface, minus 1; 0 without a surface."""
+        return 0.0 if self.surface is None else self.parts_volume / self.surface.volume - 1
+
+    @property
+    def mass(self) -> float:
+        """Mass m, kg."""
+        return self.masses.volume
+
+    @property
+    def centre(self) -> Array:
+        """Centre of mass, (d,), m."""
+        return self.masses.centre
+
+    @property
+    def inertia(self) -> Array | float:
+        """Inertia about the centre, kg m^2: the tensor (3, 3); in the plane a number, across it."""
+        return self.masses.inertia
+
+    @property
+    def corners(self) -> Array:
+        """Corners of all parts, part after part, (n, d), m; twice where two parts have one."""
+        return np.concatenate([part.corners for part in self.parts])
+
+    @property
+    def low(self) -> Array:
+        """Lower corner of the box around the parts, (d,), m."""
+        return np.asarray(self.corners.min(axis=0))
+
+    @property
+    def high(self) -> Array:
+        """Upper corner of the box around the parts, (d,), m."""
+        return np.asarray(self.corners.max(axis=0))
+
+    @property
+    def size(self) -> float:
+        """The longest side of the box around the parts, m."""
+        return size_of(self.corners)
+
+    @property
+    def bottom(self) -> Array:
+        """Corners at the lowest level, within 1e-9 of the size, (n, d), m; each place once."""
+        corners = self.corners
+        level = corners[:, -1].min() + NEAR * self.size
+        return np.unique(corners[corners[:, -1] <= level], axis=0)
+
+    def moved(self, by: ArrayLike) -> Solid:
+        """This body moved by a vector (d,), m."""
+        surface = None if self.surface is None else self.surface.moved(by)
+        return replace(self, parts=tuple(part.moved(by) for part in self.parts), surface=surface)
+
+    def rotated(self, rotation: ArrayLike) -> Solid:
+        """This body turned about the origin by a rotation matrix (d, d)."""
+        matrix = np.asarray(rotation, dtype=np.float64)
+        dimension = self.dimension
+        right = matrix.shape == (dimension, dimension) and np.allclose(
+            matrix @ matrix.T, np.eye(dimension), atol=1e-9
+        )
+        if not (right and np.linalg.det(matrix) > 0):
+            raise ValueError(
+                f"rotation: got {matrix.tolist()}, allowed a rotation matrix"
+                f" ({dimension}, {dimension})"
+            )
+        surface = None if self.surface is None else self.surface.rotated(matrix)
+        return replace(
+            self, parts=tuple(part.rotated(matrix) for part in self.parts), surface=surface
+        )
+
+    def with_mass(self, mass: float) -> Solid:
+        """This body with a mass, kg: all densities by one factor."""
+        _refuse_not_positive("mass", mass)
+        factor = mass / self.mass
+        parts = tuple(part.with_density(factor * part.density) for part in self.parts)
+        density = None if self.density is None else factor * self.density
+        return replace(self, parts=parts, density=density)
+
+    def with_density(self, density: float) -> Solid:
+        """This body with a mean density m/V, kg/m^3: all densities by one factor."""
+        refuse_density(density, "density")
+        return self.with_mass(density * self.volume)
+
+    def standing(self) -> Solid:
+        """This body in the own frame of a block: the origin in the middle of its bottom.
+
+        Its lowest level is 0, and the middle of the rectangle around its bottom is at x = (y =) 0.
+        """
+        bottom = self.bottom
+        middle = (bottom.min(axis=0) + bottom.max(axis=0)) / 2
+        return self.moved(-np.append(middle[:-1], self.low[-1]))
+
+
+def polygon(points: ArrayLike, density: float, thickness: float) -> Solid:
+    """A polygon in the plane, cut into convex parts where it is not convex.
+
+    Args:
+        points: Its corners, (n, 2), m, in either sense, none twice; sides must not cross or touch.
+        density: kg/m^3.
+        thickness: m.
+    """
+    pieces = convex_pieces(simple_polygon(points))
+    parts = tuple(
+        Convex(corners=piece, faces=polygon_faces(len(piece)), density=density) for piece in pieces
+    )
+    return Solid(parts=parts, thickness=thickness)
+
+
+def regular(count: int, width: float, density: float, thickness: float) -> Solid:
+    """A regular polygon in the plane that stands on a side, (0, 0) in the middle of this side.
+
+    Args:
+        count: Its corners, 3 or more.
+        width: 2 R, m: twice the distance of the centre from a corner; across opposite corners
+            where `count` is even.
+        density: kg/m^3.
+        thickness: m.
+    """
+    _refuse_sides("count", count)
+    _refuse_not_positive("width", width)
+    angles = -np.pi / 2 + np.pi / count * (2 * np.arange(count) - 1)
+    ring = width / 2 * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    return polygon(ring, density, thickness).standing()
+
+
+def prism(outline: Solid, thickness: float) -> Solid:
+    """A body in space that has a solid of the plane as its section: (x, z) becomes (x, y, z).
+
+    Args:
+        outline: The section, whose parts keep their densities.
+        thickness: m; y from minus half of it to half of it.
+    """
+    if outline.dimension != 2:
+        raise ValueError("outline: got a solid in space, allowed one in the plane")
+    _refuse_not_positive("thickness", thickness)
+    return Solid(parts=tuple(_extruded(part, thickness) for part in outline.parts))
+
+
+def turned(profile: ArrayLike, sides: int, density: float) -> Solid:
+    """A solid of revolution about the vertical axis, with facets; one of them looks along +x.
+
+    A profile that is not convex is cut at the levels of its re-entrant corners, into as few parts
+    as level cuts make.
+
+    Args:
+        profile: The outline [[r, z], ...] of one half, m, with a side along the axis r = 0. From
+            the axis it goes up all the way, or level: no undercuts, no hollows.
+        sides: Facets around; corners lie on the circles of the profile, so that facets are inside
+            them by `chord_error`.
+        density: kg/m^3.
+    """
+    _refuse_sides("sides", sides)
+    parts = []
+    for piece in _frusta(_half_outline(profile)):
+        corners, faces = _revolved(piece, sides)
+        parts.append(Convex(corners=corners, faces=faces, density=density))
+    return Solid(parts=tuple(parts))
+
+
+def cylinder(diameter: float, height: float, sides: int, density: float) -> Solid:
+    """An upright cylinder with facets, on z = 0 about the axis x = y = 0; as `turned` makes it."""
+    _refuse_not_positive("diameter", diameter)
+    _refuse_not_positive("height", height)
+    radius = diameter / 2
+    half = np.array([[0, 0], [radius, 0], [radius, height], [0, height]])
+    return turned(half, sides, density)
+
+
+def chord_error(radius: float, sides: int) -> float:
+    """How far facets lie within the circle through their corners at most, R (1 - cos(pi/n)), m."""
+    _refuse_not_positive("radius", radius)
+    _refuse_sides("sides", sides)
+    return 2 * radius * math.sin(math.pi / sides / 2) ** 2
+
+
+def hull(points: ArrayLike, density: float = 1.0, thickness: float = 1.0) -> Solid:
+    """The convex hull of points in the plane, (n, 2), or in space, (n, 3), m.
+
+    Args:
+        points: m.
+        density: kg/m^3.
+        thickness: m, in the plane.
+    """
+    corners, faces = hull_of(points, NEAR)
+    part = Convex(corners=corners, faces=faces, density=density)
+    return Solid(parts=(part,), thickness=thickness)
+
+
+def of_surface(surface: Surface, density: float, *, only_hull: bool = False) -> Solid:
+    """A body with the mass properties of a surface, and convex parts for contact.
+
+    Its parts are those of CoACD (Wei et al., ACM Trans. Graph. 41, 2022) where `coacd` is
+    installed and the surface is not convex; else its convex hull, see `Solid.hull_excess`.
+    Those of CoACD 1.0.14 are off by some 1e-4 of the size, the hull by 1e-6.
+    Corners within 1e-6 of the size above the lowest one are put on its level, to which files of
+    single precision do not tell them apart.
+
+    Args:
+        surface: A closed surface.
+        density: kg/m^3.
+        only_hull: The hull also where `coacd` is installed, so that all machines find the same.
+    """
+    whole = _hull_part(surface.points[np.unique(surface.triangles)], density, surface.name)
+    parts = [whole]
+    if not only_hull and whole.moments.volume > (1 + SINGLE) * surface.volume:
+        pieces = _cut_by_coacd(surface)
+        parts = [_hull_part(piece, density, surface.name) for piece in pieces] or parts
+    return Solid(parts=tuple(parts), surface=surface, density=density)
+
+
+def union(solids: Sequence[Solid]) -> Solid:
+    """One rigid body of several that may touch and do not overlap; each keeps its densities.
+
+    Where one of them has a surface of its own, all must have one density: the union's surface is
+    that of all together, and the convex parts, which are hulls, are free to overlap.
+
+    Raises:
+        ValueError: none at all; of the plane and of space; of two thicknesses; two that overlap.
+    """
+    if not solids:
+        raise ValueError("union: got no solids, allowed one or more")
+    dimensions = {solid.dimension for solid in solids}
+    if len(dimensions) > 1:
+        raise ValueError("union: got solids of the plane and of space, allowed one of both")
+    thicknesses = sorted({solid.thickness for solid in solids})
+    if dimensions == {2} and len(thicknesses) > 1:
+        raise ValueError(f"union: got thicknesses {thicknesses} m, allowed one")
+    parts = tuple(part for solid in solids for part in solid.parts)
+    if any(solid.surface for solid in solids):
+        return _with_one_surface(solids, parts)
+    for number, solid in enumerate(solids):
+        for other in solids[number + 1 :]:
+            _refuse_overlap(solid, other)
+    return Solid(parts=parts, thickness=solids[0].thickness)
+
+
+def _refuse_not_positive(name: str, value: float) -> None:
+    """Lengths and masses are finite and > 0."""
+    if not (math.isfinite(value) and value > 0):
+        raise ValueError(f"{name}: got {value}, allowed a number > 0")
+
+
+def _refuse_sides(name: str, count: int) -> None:
+    """A round shape has some facets, and a whole number of them."""
+    if count != int(count) or not 3 <= count <= MOST_SIDES:
+        raise ValueError(f"{name}: got {count}, allowed a whole number from 3 to {MOST_SIDES}")
+
+
+def _extruded(part: Convex, thickness: float) -> Convex:
+    """A polygon of the x-z plane as a prism along y."""
+    x, z = part.corners.T
+    half = np.full(len(x), thickness / 2)
+    corners = np.concatenate([np.stack([x, -half, z], axis=1), np.stack([x, half, z], axis=1)])
+    count = len(x)
+    front = tuple(range(count))  # from -y one sees x to the right and z upwards
+    back = tuple(count + k for k in reversed(range(count)))
+    sides = tuple((end, start, start + count, end + count) for start, end in polygon_faces(count))
+    return Convex(corners=corners, faces=(front, back, *sides), density=part.density)
+
+
+def _half_outline(profile: ArrayLike) -> Array:
+    """The points [r, z] of a profile from the lower one on the axis to the upper one."""
+    given = real_points(profile, "profile", 2)
+    near = NEAR * size_of(given) if len(given) else 0.0
+    given[np.abs(given[:, 0]) <= near, 0] = 0.0
+    if (given[:, 0] < 0).any():
+        worst = given[np.argmin(given[:, 0])]
+        raise ValueError(f"profile: got the point {told(worst)}, allowed [r, z] with r >= 0")
+    outline = simple_polygon(given, "profile")
+    on_axis = np.flatnonzero(outline[:, 0] == 0)
+    if len(on_axis) < 2:
+        raise ValueError(
+            "profile: got no side along the axis r = 0, allowed the outline of a body without"
+            " hollow, from the axis to the axis"
+        )
+    if len(on_axis) > 2:
+        raise ValueError(
+            f"profile: got {len(on_axis)} points on the axis r = 0, allowed two, with all between"
+        )
+    # Anticlockwise the outline comes down the axis; it begins where this side ends.
+    lower = on_axis[np.argmin(outline[on_axis, 1])]
+    chain = np.roll(outline, -lower, axis=0)
+    if chain[-1, 0] != 0:
+        raise ValueError("profile: got no side along the axis r = 0, allowed one, without hollow")
+    rises = np.diff(chain[:, 1])
+    if (rises < -near).any():
+        worst = chain[int(np.argmax(rises < -near))]
+        raise ValueError(
+            f"profile: got an undercut after [r, z] = {told(worst)}, allowed an outline that never"
+            " goes down between its ends on the axis"
+        )
+    return chain
+
+
+def _frusta(chain: Array) -> list[Array]:
+    """Pieces of an outline that goes up, cut at the levels of its re-entrant corners."""
+    near = NEAR * size_of(chain)
+    before, here, after = chain[:-2], chain[1:-1], chain[2:]
+    off = turn(before, here, after) / np.linalg.norm(after - before, axis=1)
+    cuts = [float(chain[0, 1])]
+    for level in [*here[off < -near, 1], chain[-1, 1]]:
+        if level > cuts[-1] + near:
+            cuts.append(float(level))
+    pieces = []
+    for low, high in pairwise(cuts):
+        first = int(np.flatnonzero(chain[:, 1] <= low + near)[-1])
+        last = int(np.flatnonzero(chain[:, 1] >= high - near)[0])
+        pieces.append(chain[first : last + 1])
+    return pieces
+
+
+def _revolved(chain: Array, sides: int) -> tuple[Array, Faces]:
+    """Corners and faces of a convex piece turned about the axis; rings, or tips on the axis."""
+    angles = np.pi / sides * (2 * np.arange(sides) + 1)
+    circle = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    rows: list[list[int]] = []
+    corners: list[Array] = []
+    for r, z in chain:
+        begin = sum(len(row) for row in rows)
+        ring = r * circle if r > 0 else np.zeros((1, 2))
+        corners.append(np.column_stack([ring, np.full(len(ring), z)]))
+        rows.append(list(range(begin, begin + len(ring))))
+    faces = [tuple(reversed(rows[0])), tuple(rows[-1])]
+    for lower, upper in pairwise(rows):
+        for k in range(sides):
+            below = [lower[k % len(lower)], lower[(k + 1) % sides % len(lower)]]
+            above = [upper[(k + 1) % sides % len(upper)], upper[k % len(upper)]]
+            faces.append(tuple(dict.fromkeys([*below, *above])))
+    return np.concatenate(corners), tuple(face for face in faces if len(face) > 2)
+
+
+def _hull_part(points: Array, density: float, name: str) -> Convex:
+    """The convex hull of points of single precision, its lowest corners on one level."""
+    corners, faces = hull_of(points, SINGLE, name)
+    low = corners[:, 2].min()
+    corners[corners[:, 2] <= low + SINGLE * size_of(corners), 2] = low
+    return Convex(corners=corners, faces=faces, density=density)
+
+
+def _cut_by_coacd(surface: Surface) -> list[Array]:
+    """Points of convex pieces of a surface by CoACD; none where it is not installed."""
+    try:
+        coacd: Any = importlib.import_module("coacd")
+    except ImportError:
+        return []
+    coacd.set_log_level("error")
+    pieces = coacd.run_coacd(coacd.Mesh(surface.points, surface.triangles), seed=0)
+    return [np.asarray(points, dtype=np.float64) for points, _ in pieces]
+
+
+def _with_one_surface(solids: Sequence[Solid], parts: tuple[Convex, ...]) -> Solid:
+    """A union by the surfaces of all."""
+    densities = sorted(
+        {solid.density for solid in solids if solid.density is not None}
+        | {part.density for solid in solids if solid.surface is None for part in solid.parts}
+    )
+    if densities[-1] > densities[0] * (1 + 1e-12):
+        raise ValueError(
+            f"union: got densities from {densities[0]:.6g} to {densities[-1]:.6g} kg/m3, allowed"
+            " one where a solid has a surface of its own"
+        )
+    points: list[Array] = []
+    triangles = []
+    for solid in solids:
+        skins = [(part.corners, triangles_of(part.faces)) for part in solid.parts]
+        if solid.surface is not None:
+            skins = [(solid.surface.points, solid.surface.triangles)]
+        for corners, facets in skins:
+            triangles.append(facets + sum(len(one) for one in points))
+            points.append(corners)
+    surface = Surface(
+        points=np.concatenate(points), triangles=np.concatenate(triangles), name="union"
+    )
+    return Solid(parts=parts, surface=surface, density=densities[0])
+
+
+def _refuse_overlap(first: Solid, second: Solid) -> None:
+    """ValueError where parts of two solids have a ball in common, by linear programming."""
+    size = size_of(np.concatenate([first.corners, second.corners]))
+    for one in first.parts:
+        for other in second.parts:
+            low = np.maximum(one.corners.min(axis=0), other.corners.min(axis=0))
+            high = np.minimum(one.corners.max(axis=0), other.corners.max(axis=0))
+            if (high - low <= SINGLE * size).any():
+                continue
+            radius, place = _largest_ball(one, other, (low + high) / 2, size)
+            if radius > SINGLE * size:
+                raise ValueError(
+                    f"union: got solids that overlap by {2 * radius:.3g} m at {told(place)},"
+                    " allowed ones that touch or are apart"
+                )
+
+
+def _largest_ball(one: Convex, other: Convex, origin: Array, size: float) -> tuple[float, Array]:
+    """Radius and centre of the largest ball in both of two convex shapes, m; < 0 if apart."""
+    from scipy.optimize import linprog  # slow to import
+
+    rows, levels = [], []
+    for shape in (one, other):
+        normals = shape.normals
+        starts = (shape.corners[[face[0] for face in shape.faces]] - origin) / size
+        rows.append(np.column_stack([normals, np.ones(len(normals))]))
+        levels.append(np.einsum("ni,ni->n", normals, starts))
+    goal = np.append(np.zeros(one.dimension), -1.0)
+    found = linprog(
+        goal, A_ub=np.concatenate(rows), b_ub=np.concatenate(levels), bounds=(None, None)
+    )
+    return float(found.x[-1]) * size, origin + size * found.x[:-1]
