@@ -179,7 +179,9 @@ def _quarter_period(scene: Scene, block: BlockSpec) -> float:
 
     Of a released block Housner's acosh(1/(1 - theta/alpha))/p, of one that stands 1/p.
     """
-    p, share = block.shape.frequency(scene.gravity), abs(block.tilt) / block.shape.slenderness
+    side = 0 if not block.tilt else 1 if block.tilt > 0 else -1
+    p = block.shape.frequency(scene.gravity, side)
+    share = abs(block.tilt) / block.shape.slenderness(side)
     if p <= 0:
         return math.inf
     return math.acosh(1 / (1 - share)) / p if 0 < share < 1 else 1 / p

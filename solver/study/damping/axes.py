@@ -398,7 +398,7 @@ def time_for(scene: Scene, block: BlockSpec, impacts: int) -> float:
     )
     free = scene.dimension == 2 and len(scene.blocks) == 1 and block.tilt and scene.gravity
     upright = not scene.gravity_tilt_deg and not block.angular_velocity and not any(block.velocity)
-    if not (still and free and upright) or abs(block.tilt) >= block.shape.slenderness:
+    if not (still and free and upright) or abs(block.tilt) >= block.shape.slenderness():
         return scene.time.end
     longest = housner(
         block.shape,
