@@ -71,6 +71,12 @@ def _densities(scene: Scene) -> list[str]:
         for block in scene.blocks
         if not low <= block.shape.density <= high
     ]
+    found += [
+        f"part {number} of {block.name} weighs {part.density:.3g} kg/m3: look at the unit of that"
+        for block in scene.blocks
+        for number, part in enumerate(block.parts, 1)
+        if not low <= part.density <= high
+    ]
     below = scene.foundation.pressed_material(scene.material_plane, scene.carried_mass)
     if below is not None and not low <= below.density <= high:
         found.append(f"the foundation weighs {below.density:.3g} kg/m3: look at the unit of that")

@@ -23,6 +23,7 @@ from solver.reference.initiation import (
     release_friction,
     rocking_friction,
 )
+from solver.results.cautions import cautions_of_scene
 from solver.results.motion import block_motion, leaning, slenderness
 from solver.scene import scene_to_toml
 from solver.scene.scaling import Scale, scaled_tables
@@ -297,6 +298,15 @@ def test_models_at_another_scale(block: dict[str, Any], tables: Any, keeps: Any)
     for side in SIDES:
         assert model.slenderness(side) == pytest.approx(shape.slenderness(side), rel=1e-13)
         assert model.restitution(side) == pytest.approx(shape.restitution(side), rel=1e-12)
+
+
+def test_a_part_whose_unit_is_in_doubt_is_named() -> None:
+    parts = [{"from": [0.0, 0.1], "to": [0.1, 0.3], "density": 7.8}]
+    given = scene(
+        {k: v for k, v in BLOCK.items() if k != "mass"} | {"density": 900.0, "parts": parts}
+    )
+    (caution,) = cautions_of_scene(given, read_ground(given))
+    assert "part 1 of block weighs 7.8 kg/m3" in caution
 
 
 # ---------------------------------------------------------------- studies and pictures
