@@ -109,7 +109,7 @@ def answer(case: str, made: Scene) -> Answer:
         return Answer([rebound(run.history)], [], [], cost["steps"], cost["wall_s"])
     found = run.summary["blocks"]["block"]["impacts"]
     shape = next(block for block in made.blocks if block.name == "block").shape
-    turns = peaks(run.history["time_s"], run.history["block.angle_rad"], shape.slenderness)
+    turns = peaks(run.history["time_s"], run.history["block.angle_rad"], shape.slenderness())
     return Answer(
         [impact["restitution"] for impact in found[:4] if impact["restitution"] is not None],
         [impact["time_s"] for impact in found[1:5]],

@@ -33,7 +33,7 @@ CASES = [(1e-3, 0), (1e-3, 2), (1e-3, 4), (1e-3, 8), (2e-3, 8), (5e-4, 0), (5e-4
 def reaction_noise(scene: Scene, result: Result) -> NDArray[np.float64]:
     """(N - N_rigid)/(m g), row by row; N_rigid while the block turns about one corner."""
     shape, history, gravity = scene.blocks[0].shape, result.history, scene.gravity
-    left = shape.slenderness - np.abs(history["block.angle_rad"])
+    left = shape.slenderness() - np.abs(history["block.angle_rad"])
     spin = history["block.angular_velocity_rad_s"]
     rigid = 1 - 0.75 * np.sin(left) ** 2
     rigid -= shape.half_diagonal * np.cos(left) * spin**2 / gravity

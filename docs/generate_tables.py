@@ -112,6 +112,8 @@ def allowed(hint: Any, key: str) -> str:
     tuples = [get_args(part) for part in parts if get_origin(part) is tuple]
     if all(is_dataclass(part) for part in parts):
         return "a table"
+    if len(tuples) == 2 and get_origin(parts[0]) is Annotated:
+        return f"{number(parts[0], key)}; 3-D: 3 values, or a table of 3 x 3"
     if len(tuples) == 2:
         return f"2 values, 3-D: 3, each {number(tuples[0][0], key)}"
     if len(parts) == 2:

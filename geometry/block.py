@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from geometry.density import Tensor, Vector, linear_tensor
 
 FACES = (
     *((3, 2, 1, 0), (4, 5, 6, 7)),
@@ -12,10 +15,18 @@ FACES = (
 """Numbers of the corners around each face of a block in space, anticlockwise from outside: those of
 the bottom, the top, the sides; corners as `Block.corners` has them, which is VTK's order, too."""
 
+SIDES = (1, -1)
+"""The edges of the bottom on which a block rocks: towards +x, and towards -x."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Block:
-    """A homogeneous rectangular block, B x H x t; symbols after Housner (1963)."""
+    """A rectangular block, B x H x t, even or not in its mass; symbols after Housner (1963).
+
+    Where the centre of mass is off the middle, the two edges of the bottom differ: what is asked of
+    a `side` is about the edge on that side, 1 towards +x and -1 towards -x, on which the block
+    rocks while it leans there. Side 0 is the edge over which it overturns first.
+    """
 
     width: float
     """B, m, > 0; in the plane of motion."""
@@ -24,14 +35,24 @@ class Block:
     thickness: float
     """t, m, > 0; across the plane of motion."""
     density: float
-    """rho, kg/m^3, > 0."""
+    """rho, kg/m^3, > 0; the mean where it is not the same everywhere."""
+    centre: Vector | None = None
+    """Centre of mass from the middle of the bottom, along x, y and upwards, m; None: the middle."""
+    inertia: Tensor | None = None
+    """Inertia tensor about the centre of mass, kg m^2, about x, y and z; None: that of a density
+    which varies linearly, or not at all where the centre of mass is in the middle."""
 
     def __post_init__(self) -> None:
         """Refuse what is no block."""
-        for field in fields(self):
-            value = getattr(self, field.name)
+        for name in ("width", "height", "thickness", "density"):
+            value = getattr(self, name)
             if not (math.isfinite(value) and value > 0):
-                raise ValueError(f"Block.{field.name}: got {value}, allowed a number > 0")
+                raise ValueError(f"Block.{name}: got {value}, allowed a number > 0")
+
+    @property
+    def is_even(self) -> bool:
+        """True if its mass is that of a homogeneous block, so that both sides are alike."""
+        return self.centre is None and self.inertia is None
 
     @property
     def volume(self) -> float:
@@ -45,28 +66,77 @@ class Block:
 
     @property
     def half_diagonal(self) -> float:
-        """Half diagonal R = sqrt(B^2 + H^2) / 2, m: from a corner to the centre."""
+        """Half diagonal sqrt(B^2 + H^2) / 2, m: its size, whatever its mass."""
         return math.hypot(self.width, self.height) / 2
 
+    def centre_of_mass(self, dimension: int = 2) -> tuple[float, ...]:
+        """The centre of mass in its own frame (origin at the bottom centre), m."""
+        x, y, z = self.centre or (0.0, 0.0, self.height / 2)
+        return (x, z) if dimension == 2 else (x, y, z)
+
+    def middle(self, dimension: int = 2) -> tuple[float, ...]:
+        """The middle of the block in its own frame, m: its centre of mass where it is even."""
+        return (*[0.0] * (dimension - 1), self.height / 2)
+
     @property
-    def slenderness(self) -> float:
-        """Slenderness alpha = atan(B / H), rad: where the block stands above its corner."""
-        return math.atan2(self.width, self.height)
+    def centre_height(self) -> float:
+        """Height h of the centre of mass above the bottom, m."""
+        return self.height / 2 if self.centre is None else self.centre[2]
+
+    def arm(self, side: int = 0) -> float:
+        """Distance b of the centre of mass from the edge on a side, along x, m."""
+        side = side or self.first_side
+        return self.width / 2 if self.centre is None else self.width / 2 - side * self.centre[0]
+
+    @property
+    def first_side(self) -> int:
+        """The side of the edge that is nearer to the centre of mass: there it overturns first."""
+        return -1 if self.centre is not None and self.centre[0] < 0 else 1
+
+    def radius(self, side: int = 0) -> float:
+        """Radius R = sqrt(b^2 + h^2), m, from the edge to the centre of mass."""
+        if self.centre is None:
+            return self.half_diagonal
+        return math.hypot(self.arm(side), self.centre_height)
+
+    def slenderness(self, side: int = 0) -> float:
+        """Slenderness alpha = atan(b / h), rad: where the block balances above its edge."""
+        if self.centre is None:
+            return math.atan2(self.width, self.height)
+        return math.atan2(self.arm(side), self.centre_height)
+
+    def uplift(self, side: int = 0) -> float:
+        """Acceleration over gravity b / h at which it lifts about the edge on a side."""
+        if self.centre is None:
+            return self.width / self.height
+        return self.arm(side) / self.centre_height
 
     @property
     def rotary_inertia(self) -> float:
-        """Rotary inertia I = m (B^2 + H^2) / 12, kg m^2, about the centre."""
-        return self.mass * self.half_diagonal**2 / 3
+        """Rotary inertia I about the centre of mass in the plane of motion, kg m^2.
+
+        m (B^2 + H^2) / 12 of a homogeneous block.
+        """
+        return self.mass * self.half_diagonal**2 / 3 if self.is_even else self.inertia_tensor[1][1]
 
     @property
     def principal_inertias(self) -> tuple[float, float, float]:
-        """Rotary inertias of the block in space about its centre, kg m^2, about x, y and z.
+        """Rotary inertias of the homogeneous block about its middle, kg m^2, about x, y and z.
 
         m (t^2 + H^2)/12, m (B^2 + H^2)/12, m (B^2 + t^2)/12: x along the width, y along the
         thickness, z along the height; the inertia tensor in the block's frame is their diagonal.
         """
         b, t, h = self.width**2, self.thickness**2, self.height**2
         return self.mass * (t + h) / 12, self.mass * (b + h) / 12, self.mass * (b + t) / 12
+
+    @property
+    def inertia_tensor(self) -> Tensor:
+        """Inertia tensor about the centre of mass in the block's frame, kg m^2."""
+        if self.inertia is not None:
+            return self.inertia
+        middle = self.middle(3)
+        off = tuple(c - m for c, m in zip(self.centre_of_mass(3), middle, strict=True))
+        return linear_tensor(self.mass, self.principal_inertias, (off[0], off[1], off[2]))
 
     def half_lengths(self, dimension: int = 2) -> tuple[float, ...]:
         """Half its edges along x, in space y, and upwards, m."""
@@ -85,15 +155,81 @@ class Block:
         ring = (-b, -t), (b, -t), (b, t), (-b, t)
         return tuple((x, y, z) for z in (0.0, self.height) for x, y in ring)
 
-    @property
-    def rotary_inertia_about_corner(self) -> float:
-        """Rotary inertia I_O = 4/3 m R^2, kg m^2, about a bottom corner."""
-        return 4 / 3 * self.mass * self.half_diagonal**2
+    def rotary_inertia_about_corner(self, side: int = 0) -> float:
+        """Rotary inertia I_O = I + m R^2, kg m^2, about a bottom edge; 4/3 m R^2 where even."""
+        if self.is_even:
+            return 4 / 3 * self.mass * self.half_diagonal**2
+        return self.rotary_inertia + self.mass * self.radius(side) ** 2
 
-    def frequency(self, gravity: float) -> float:
-        """Frequency parameter of rocking p = sqrt(3 g / (4 R)), 1/s, at gravity g (m/s^2)."""
-        return math.sqrt(3 * gravity / (4 * self.half_diagonal))
+    def frequency(self, gravity: float, side: int = 0) -> float:
+        """Frequency parameter of rocking p = sqrt(m g R / I_O), 1/s, at gravity g (m/s^2).
+
+        sqrt(3 g / (4 R)) of a homogeneous block.
+        """
+        if self.is_even:
+            return math.sqrt(3 * gravity / (4 * self.half_diagonal))
+        moment = self.mass * gravity * self.radius(side)
+        return math.sqrt(moment / self.rotary_inertia_about_corner(side))
+
+    def fastest(self, gravity: float) -> float:
+        """The larger of both frequency parameters, 1/s."""
+        return max(self.frequency(gravity, side) for side in SIDES)
+
+    def restitution(self, side: int = 0, share: float = 0.0) -> float:
+        """Ratio of angular velocities across an impact without rebound on the edge of a side.
+
+        By angular momentum about that edge, b away from the centre of mass, from a turn about the
+        other one, b' away: (I + m (h^2 - b b'))/(I + m (h^2 + b^2)), which is Housner's 1 - 3/2
+        sin^2 alpha for a homogeneous block. On a platform that is free to move, (1 - share) h^2
+        stands for h^2; `share` is that of the block in the mass of both.
+        """
+        if self.is_even:
+            if not share:
+                return 1 - 1.5 * math.sin(self.slenderness()) ** 2
+            high = (4 / 3 - share) * (self.height / 2) ** 2
+            wide = (self.width / 2) ** 2
+            return (high - 2 / 3 * wide) / (high + 4 / 3 * wide)
+        side = side or self.first_side
+        lands, leaves = self.arm(side), self.arm(-side)
+        high = self.rotary_inertia / self.mass + (1 - share) * self.centre_height**2
+        return (high - lands * leaves) / (high + lands**2)
+
+    def across(self, direction: Sequence[float]) -> Block:
+        """The block as one that leans in a horizontal direction, a unit vector of its own axes.
+
+        As wide as its bottom is along that direction; x points there.
+        """
+        x, y = (float(part) for part in direction)
+        width = abs(x) * self.width + abs(y) * self.thickness
+        centre, inertia = self.centre, None
+        if centre is not None:
+            centre = x * centre[0] + y * centre[1], x * centre[1] - y * centre[0], centre[2]
+        if not self.is_even:
+            inertia = turned(self.inertia_tensor, x, y)
+        return Block(
+            width=width,
+            height=self.height,
+            thickness=self.width * self.thickness / width,
+            density=self.density,
+            centre=centre,
+            inertia=inertia,
+        )
 
     def weight(self, gravity: float) -> float:
         """Weight W = m g, N, at gravity g (m/s^2)."""
         return self.mass * gravity
+
+
+def turned(tensor: Tensor, x: float, y: float) -> Tensor:
+    """A tensor in axes of which the first is (x, y, 0), a unit vector, and the last the same."""
+    axes: Tensor = (x, y, 0.0), (-y, x, 0.0), (0.0, 0.0, 1.0)
+    images = [[_dot(row, axis) for row in tensor] for axis in axes]
+    first, second, third = (
+        (_dot(axis, images[0]), _dot(axis, images[1]), _dot(axis, images[2])) for axis in axes
+    )
+    return first, second, third
+
+
+def _dot(one: Sequence[float], other: Sequence[float]) -> float:
+    """The scalar product."""
+    return sum(a * b for a, b in zip(one, other, strict=True))

@@ -112,7 +112,7 @@ def before_impact(scene: Scene, block: BlockSpec) -> float:
     firm = not scene.carrier_moves and not scene.foundation.needs_mesh_engine
     alone = len(scene.blocks) == 1 and firm
     still = scene.motion is None and scene.gravity_tilt_deg == 0 and scene.gravity > 0
-    if not (alone and still and 0 < abs(block.tilt) < block.shape.slenderness):
+    if not (alone and still and 0 < abs(block.tilt) < block.shape.slenderness()):
         return 0.0
     end = scene.time.end
     found = housner(block.shape, gravity=scene.gravity, tilt=block.tilt, end=end, step=end)

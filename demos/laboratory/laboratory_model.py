@@ -171,7 +171,7 @@ def table(runs: list[Run]) -> str:
         lines.append(
             f"{run.label:22} {spec['deck']['width']:7.3f} m {1e3 * spec['column']['width']:4.0f} mm"
             f" {block.shape.mass:6.1f} kg {spec['young'] / 1e9:4.1f} GPa"
-            f" {run.scene.time.end:5.2f} s  lean {lean / block.shape.slenderness:.3f} alpha,"
+            f" {run.scene.time.end:5.2f} s  lean {lean / block.shape.slenderness():.3f} alpha,"
             f" slip {slip:.4f} R, drift {drift:.4f} R"
         )
     return "\n".join(lines)
@@ -215,7 +215,7 @@ def _drawn(runs: list[Run]) -> Figure:
 
 def _draw_pair(column: np.ndarray, model: Run, prototype: Run) -> None:
     """Lean and slip of a model over those of its prototype, and how far they are apart."""
-    alpha = model.scene.blocks[0].shape.slenderness
+    alpha = model.scene.blocks[0].shape.slenderness()
     shown = (("block.angle_rad", alpha), ("block.slip_m", 1.0))
     for axes, (name, size) in zip(column[:2], shown, strict=True):
         over = without_dimension(prototype, name) / size
@@ -254,7 +254,7 @@ def checks(runs: list[Run]) -> Results:
         said = f"{name}: histories at most {off[worst]:.1e} apart ({COLUMNS[worst]})"
         results.append((good, f"{said}, {pair.band:.0e}"))
         shape = model.scene.blocks[0].shape
-        lean = float(np.abs(model.history["block.angle_rad"]).max()) / shape.slenderness
+        lean = float(np.abs(model.history["block.angle_rad"]).max()) / shape.slenderness()
         slip = float(np.abs(without_dimension(model, "block.slip_m")).max())
         moved = f"{name}: leans {lean:.4f} alpha and slips {slip:.4f} R, above 0.005 and 0.01"
         results.append((lean > 0.005 and slip > 0.01, moved))

@@ -130,6 +130,7 @@ class ElasticBody(DampedBody):
         supports: Sequence[Support] = (),
         spring: GroundSpring | None = None,
         regions: Sequence[Region] = (),
+        density: fem.Function | None = None,
     ):
         """Compile the forms and assemble mass and stiffness.
 
@@ -145,11 +146,13 @@ class ElasticBody(DampedBody):
             supports: Further held facets.
             spring: Between some facets and the ground.
             regions: Cells of other materials.
+            density: Over that of the material; None: it is the same everywhere.
         """
         self.name, self.thickness, self.damping = name, thickness, damping or DampingSpec()
         self.material = material.times(thickness)
         """Its stresses are times the thickness."""
         self._regions = [Region(cells, own.times(thickness)) for cells, own in regions]
+        self._density = density
         self._discretise(domain, degree)
         if clamped is not None:
             facets = mesh.locate_entities_boundary(domain, domain.topology.dim - 1, clamped)
@@ -184,7 +187,10 @@ class ElasticBody(DampedBody):
         self._forms = ElasticForms(
             self.u, self.u_old, self.material, viscous=viscous, regions=self._regions
         )
-        self.stiffness_matrix, self.mass_matrix = self._forms.stiffness(), self._forms.mass()
+        self.stiffness_matrix, self.mass_matrix = (
+            self._forms.stiffness(),
+            self._forms.mass(self._density),
+        )
         self._diagonal = self.stiffness_matrix.getDiagonal().array
         self._product = self.mass_matrix.createVecs()
         self._factor, self._image = (vector.array for vector in self._product)  # kept

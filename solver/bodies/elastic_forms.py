@@ -238,11 +238,17 @@ class ElasticForms:
         strain, virtual = strains
         return PackedForm(ufl.inner(self._stress(strain), virtual) * self._dx).matrix()
 
-    def mass(self) -> PETSc.Mat:
-        """M, consistent: a row-sum mass has the wrong rotary inertia."""
+    def mass(self, relative: fem.Function | None = None) -> PETSc.Mat:
+        """M, consistent: a row-sum mass has the wrong rotary inertia.
+
+        The density may vary over a cell, by a function that stands for it over the material's.
+        """
         trial, test = ufl.TrialFunction(self._space), ufl.TestFunction(self._space)
         density = property_of(self._space.mesh, "density", self._material, self._regions)
         degree = 2 * self._space.ufl_element().degree
+        if relative is not None:
+            density = density * relative
+            degree += relative.function_space.ufl_element().degree
         dx = ufl.dx(self._space.mesh, metadata={"quadrature_degree": degree})
         return without_zeros(PackedForm(density * ufl.inner(trial, test) * dx).matrix())
 

@@ -232,8 +232,8 @@ class RigidBox(DenseBody):
     """A rigid block; points are given in its own frame, moved to its initial place.
 
     Attributes:
-        shape: Its size and density.
-        centre: Of the unrotated block, (d,), m.
+        shape: Its size and mass.
+        centre: Of mass, of the unrotated block, (d,), m.
         corners: Of the unrotated block, in the order of `Block.corners`, m.
     """
 
@@ -248,13 +248,13 @@ class RigidBox(DenseBody):
         mass: Array,
         comm: MPI.Intracomm = MPI.COMM_WORLD,
     ):
-        """Take the unrotated block's centre in its own frame, m, and M's diagonal, kg and kg m2."""
+        """Take the unrotated block's centre of mass, m, and M's diagonal, kg and kg m2."""
         dimension = len(centre)
         super().__init__(name, mass, np.eye(dimension, len(mass)), comm=comm)
         self.shape, self.centre = shape, centre
-        corners = np.array(shape.corners(dimension))
-        self.corners: Array = corners - corners.mean(axis=0) + centre
-        self._radius = float(np.linalg.norm(corners[0] - corners.mean(axis=0)))
+        arms = np.array(shape.corners(dimension)) - shape.centre_of_mass(dimension)
+        self.corners: Array = arms + centre
+        self._radius = float(np.linalg.norm(arms, axis=1).max())
 
     def way(self, change: Array) -> float:
         """At most the way of its centre, and that of a corner by the turn."""
@@ -358,6 +358,9 @@ class SpaceBox(RigidBox):
     Behind these six unknowns the vector carries three parameters that no step changes: the rotation
     vector of the block where the Cayley vector is zero. So the rotation is a function of the vector
     alone; `settle` makes the end of a step the start of the next one.
+
+    The Cayley vector, the angular velocity and M's diagonal are those about the principal axes of
+    its inertia, which are its own axes unless its mass is uneven.
     """
 
     def __init__(
@@ -365,7 +368,12 @@ class SpaceBox(RigidBox):
     ):
         """Set up; see `RigidBox`."""
         # What is carried does not move: its mass only keeps the diagonal regular.
-        mass = np.array([*(shape.mass,) * 3, *shape.principal_inertias, *(shape.mass,) * 3])
+        self._axes: Array | None = None
+        moments = np.array(shape.principal_inertias)
+        if not shape.is_even:
+            moments, axes = np.linalg.eigh(np.array(shape.inertia_tensor))
+            self._axes = axes * np.linalg.det(axes)  # turned, not mirrored
+        mass = np.array([*(shape.mass,) * 3, *moments, *(shape.mass,) * 3])
         super().__init__(name, shape, centre, mass=mass, comm=comm)
         self.fixed = np.arange(*CARRIED.indices(self.size), dtype=np.int32)
         self._start: Array = np.zeros(self.size)
@@ -377,7 +385,14 @@ class SpaceBox(RigidBox):
 
     def initial_velocity(self, velocity: Array, spin: Array, rotation: Array) -> Array:
         """Velocity of the centre, and angular velocity in the block."""
-        return np.concatenate([velocity, spin @ rotation, np.zeros(3)])[self.own]
+        own = spin @ rotation
+        if self._axes is not None:
+            own = own @ self._axes
+        return np.concatenate([velocity, own, np.zeros(3)])[self.own]
+
+    def _of_block(self, vector: Array) -> Array:
+        """A vector of its principal axes along its own axes."""
+        return vector if self._axes is None else np.asarray(self._axes @ vector)
 
     def begin_step(self, u_old: Array, scheme: GeneralizedAlpha, dt: float) -> None:
         """Keep where a step starts, for the gyroscopic moment."""
@@ -414,11 +429,12 @@ class SpaceBox(RigidBox):
     def rotation_at(self, values: Array) -> Array:
         """The rotation R = R_n cay(Psi)."""
         before = turn(values[CARRIED])
-        return before @ cayley(values[TURNED]) if values[TURNED].any() else before
+        psi = self._of_block(values[TURNED])
+        return before @ cayley(psi) if psi.any() else before
 
     def _spin(self, speed: Array, rotation: Array) -> Array:
         """Angular velocity in space, (3,), by the right-hand rule, rad/s."""
-        spin: Array = rotation @ speed[TURNED]
+        spin: Array = rotation @ self._of_block(speed[TURNED])
         return spin
 
     def rows(self, points: Array, values: Array) -> Array:
@@ -438,7 +454,10 @@ class SpaceBox(RigidBox):
         """I and -skew(A r) A^-T for a mean rotation A, (n, 3, unknowns)."""
         rows = np.zeros((len(points), 3, self.unknowns))
         rows[:, :, :3] = np.eye(3)
-        rows[:, :, TURNED] = -skew(self._arms(points, mean)) @ np.linalg.inv(mean).T
+        turning = np.linalg.inv(mean).T
+        if self._axes is not None:
+            turning = turning @ self._axes
+        rows[:, :, TURNED] = -skew(self._arms(points, mean)) @ turning
         return rows
 
 

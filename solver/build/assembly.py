@@ -16,7 +16,7 @@ from geometry.mesh import move
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.rigid_body import RigidBox, rigid_box
 from solver.build.foundation import FoundationBody, foundation
-from solver.build.meshed_body import mesh_of_block, meshed_body
+from solver.build.meshed_body import mesh_of_block, meshed_body, relative_density
 from solver.contact.carriers import Face
 from solver.contact.pairs import (
     ContactPair,
@@ -116,8 +116,7 @@ def _member(scene: Scene, number: int, placed: tuple[Pose, Pose], comm: MPI.Intr
     upright, stand = placed
     corners = upright(np.array(spec.shape.corners(scene.dimension)))
     if spec.model == "rigid":
-        centre = np.zeros(scene.dimension)
-        centre[-1] = spec.height / 2
+        centre = np.array(spec.shape.centre_of_mass(scene.dimension))
         block = rigid_box(spec.name, spec.shape, upright(centre[None])[0], comm=comm)
         surface = BlockSurface(block, number, block.corners, scene.contact)
         return BlockBody(spec, block, number, stand, surface)
@@ -131,6 +130,7 @@ def _member(scene: Scene, number: int, placed: tuple[Pose, Pose], comm: MPI.Intr
         thickness=spec.thickness,
         degree=spec.degree,
         damping=scene.damping_of(spec),
+        density=relative_density(spec, made.mesh, upright(np.zeros((1, scene.dimension)))[0]),
     )
     surface = BlockSurface(body, number, corners, scene.contact, made.facet_tags)
     return BlockBody(spec, body, number, stand, surface, made.facet_tags)

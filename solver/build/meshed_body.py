@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from mpi4py import MPI
 
 import numpy as np
-from dolfinx import fem
+from dolfinx import fem, mesh
 
+from geometry.density import LinearDensity
 from geometry.gmsh_model import MeshedBody
 from geometry.mesh import block_mesh
 from geometry.tags import FacetTag
@@ -18,6 +19,7 @@ from solver.bodies.flutter import SlidingModes, sliding_modes
 from solver.scene import BlockSpec, Scene
 from solver.scene.damping import DampingSpec
 from solver.scene.material import Material
+from solver.types import Array
 
 
 def mesh_of_block(scene: Scene, block: BlockSpec, comm: MPI.Intracomm) -> MeshedBody:
@@ -44,6 +46,7 @@ def meshed_body(
     supports: Sequence[Support] = (),
     spring: GroundSpring | None = None,
     regions: Sequence[Region] = (),
+    density: fem.Function | None = None,
 ) -> ElasticBody:
     """The elastic body on a mesh.
 
@@ -58,6 +61,7 @@ def meshed_body(
         supports: Held facets.
         spring: To the ground.
         regions: Cells of other materials.
+        density: Over that of the material; None: it is the same everywhere.
     """
     return ElasticBody(
         made.mesh,
@@ -69,7 +73,35 @@ def meshed_body(
         supports=supports,
         spring=spring,
         regions=regions,
+        density=density,
     )
+
+
+def relative_density(block: BlockSpec, domain: mesh.Mesh, origin: Array) -> fem.Function | None:
+    """The density of a block over its mean, on its mesh; None: it is the same everywhere.
+
+    One that varies linearly is exact; parts count by their mean over each cell.
+
+    Args:
+        block: The block.
+        domain: Its mesh, unrotated.
+        origin: Of its own frame there, m.
+    """
+    given, d = block.relative_density(), domain.geometry.dim
+    if given is None:
+        return None
+    if isinstance(given, LinearDensity):
+        found = fem.Function(fem.functionspace(domain, ("Lagrange", 1)))
+        points = found.function_space.tabulate_dof_coordinates()[:, :d]
+        found.x.array[:] = given.at(points - origin)
+        return found
+    found = fem.Function(fem.functionspace(domain, ("DG", 0)))
+    nodes = domain.geometry.x[domain.geometry.dofmap][:, :, :d] - origin
+    simplices = domain.basix_cell().name in ("triangle", "tetrahedron")
+    found.x.array[found.function_space.dofmap.list.ravel()] = given.means(
+        nodes, simplices=simplices
+    )
+    return found
 
 
 def modes_of_sliding(scene: Scene, block: BlockSpec) -> SlidingModes:
@@ -86,6 +118,7 @@ def modes_of_sliding(scene: Scene, block: BlockSpec) -> SlidingModes:
         degree=block.degree,
         damping=None,
         supports=[Support(facets=base, directions=(d - 1,))],
+        density=relative_density(block, made.mesh, np.zeros(d)),
     )
     nodes = fem.locate_dofs_topological(body.space, d - 1, base)
     return sliding_modes(body, np.sort(nodes), scene.bending_frequency(block))

@@ -31,7 +31,7 @@ class RigidSnapshots:
         """Begin the files and write the script that shows them in ParaView; on one rank only."""
         self._bodies, self._dimension = bodies, scene.dimension
         self._corners = [np.array(b.shape.corners(scene.dimension)) for b in scene.blocks]
-        self._heights = [block.height for block in scene.blocks]
+        self._centres = [np.array(b.shape.centre_of_mass(scene.dimension)) for b in scene.blocks]
         upright = scene.poses(upright=True)
         corners = zip(scene.blocks, self._corners, strict=True)
         self._upright = [upright[block.name](own) for block, own in corners]
@@ -59,10 +59,9 @@ class RigidSnapshots:
         self._files.end_time(time)
 
     def _moved(self, block: int) -> tuple[Array, Array]:
-        """From the centre of a block to its corners, m, and the velocities of these, m/s."""
-        middle = np.zeros(self._dimension)
-        middle[-1] = self._heights[block] / 2
-        arms = (self._corners[block] - middle) @ self._bodies.rotation(block).T
+        """From a block's centre of mass to its corners, m, and the velocities of these, m/s."""
+        own = self._corners[block] - self._centres[block]
+        arms = own @ self._bodies.rotation(block).T
         spin = self._bodies.angular_velocity(block)
         if self._dimension == 2:
             turning: Array = spin[0] * np.stack([arms[:, 1], -arms[:, 0]], axis=1)

@@ -25,8 +25,8 @@ def has_lost_carrier(level: Any, height: Any, half: float) -> Any:
 
     Args:
         level: Cosine of the lean of the carrier's top.
-        height: Of the block's centre over that of its carrier, along the carrier's axis, m.
-        half: Half the height of the carrier, m.
+        height: Of the block's centre of mass over that of its carrier, along the carrier's axis, m.
+        half: Height of the carrier's top over its centre of mass, m.
     """
     return (level <= STEEPEST_TOP) | (height <= half)
 

@@ -26,7 +26,7 @@ from solver.pictures.style import (
     new_figure,
     zero_line,
 )
-from solver.results.motion import angular_velocity, is_spatial, leaning, total_lean
+from solver.results.motion import angular_velocity, is_spatial, leaning, of_side, total_lean
 from solver.results.moving import moving_span
 from solver.results.runs import Run, labels
 from solver.scene import BlockSpec
@@ -85,8 +85,15 @@ def _add_to_one_block(axes: Any, run: Run, block: BlockSpec) -> None:
         if 0 < len(impacts) <= MARKED:
             zeros = np.zeros(len(impacts))
             axes.plot(impacts, zeros, "o", color=BLUE, markersize=2.5, label="impacts")
-    alpha = np.degrees(leaning(run.history, block).shape.slenderness)
-    right = axes.secondary_yaxis("right", functions=(lambda y: y / alpha, lambda y: y * alpha))
+    shape = leaning(run.history, block).shape
+
+    def alpha(angle: Any) -> Any:
+        """On the side of an angle, which both may be uneven: degrees."""
+        return np.degrees(of_side(shape.slenderness, np.asarray(angle)))
+
+    right = axes.secondary_yaxis(
+        "right", functions=(lambda y: y / alpha(y), lambda y: y * alpha(y))
+    )
     right.set_ylabel("θ/α")
 
 
@@ -129,7 +136,9 @@ def draw_phase(run: Run, rigid: Run | None) -> Figure:
 def _add_phase(axes: Axes, run: Run, block: BlockSpec, **look: Any) -> None:
     """The curve of one block."""
     found = leaning(run.history, block)
-    alpha, p = found.shape.slenderness, found.shape.frequency(run.scene.gravity)
+    shape, gravity = found.shape, run.scene.gravity
+    alpha = of_side(shape.slenderness, found.angle)
+    p = of_side(lambda side: shape.frequency(gravity, side), found.angle)
     velocity = angular_velocity(run.history, block.name, found.direction)
     axes.plot(found.angle / alpha, velocity / (p * alpha), linewidth=0.9, **look)
 

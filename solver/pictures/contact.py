@@ -37,7 +37,7 @@ class BlockFrames:
     """A block over the frames of a film."""
 
     centres: Array
-    """Its centre of mass, m, (n, d)."""
+    """Its middle, m, (n, d)."""
     frames: Array
     """Its axes as columns, (n, d, d)."""
     half: Array
@@ -63,7 +63,7 @@ def block_frames(run: Run, block: BlockSpec, times: Array) -> BlockFrames:
         frames=frames,
         half=half,
         force=_force(run, block, times),
-        foot=_foot(centres, frames, half, up),
+        foot=_foot(centres, frames, half, up, _off(block, half)),
         states=_states(run, block, times),
     )
 
@@ -105,7 +105,7 @@ def pair_frames(run: Run, times: Array) -> list[PairFrames]:
 
 
 def block_poses(run: Run, block: BlockSpec, times: Array) -> tuple[Array, Array]:
-    """Centre of mass, m, (n, d), and axes as columns, (n, d, d), of a block at some times, s."""
+    """Middle, m, (n, d), and axes as columns, (n, d, d), of a block at some times, s."""
     time, box = run.history["time_s"], boxes(run.history, block)
     return interpolated(time, box.centres, times), _turned(time, box.frames, times)
 
@@ -157,15 +157,24 @@ def _means(time: Array, values: Array, times: Array) -> Array:
     return np.divide(gained, later - before, out=at_start, where=known)
 
 
-def _foot(centres: Array, frames: Array, half: Array, up: Array) -> Array:
-    """Lowest point over the carrier: a corner, or between those that share, also of a side."""
+def _off(block: BlockSpec, half: Array) -> Array:
+    """The centre of mass off the middle, over half the edges, (d,)."""
+    d, shape = len(half), block.shape
+    return np.asarray((np.array(shape.centre_of_mass(d)) - shape.middle(d)) / half)
+
+
+def _foot(centres: Array, frames: Array, half: Array, up: Array, off: Array) -> Array:
+    """Lowest point over the carrier: a corner, or between those that share, also of a side.
+
+    Where all share, it is below the centre of mass, `off` the middle over half the edges.
+    """
     dimension = len(half)
     signs = np.array(np.meshgrid(*[[-1.0, 1.0]] * dimension)).reshape(dimension, -1).T
     corners = signs * half
     placed = centres[:, None] + np.einsum("nij,kj->nki", frames, corners)
     height = np.einsum("nki,ni->nk", placed, up)
     height -= height.min(axis=1, keepdims=True)
-    share = np.exp(-height / (TOUCHING * 2 * half[0]))
+    share = np.exp(-height / (TOUCHING * 2 * half[0])) * np.prod(1 + signs * off, axis=1)
     share /= share.sum(axis=1, keepdims=True)
     return np.asarray(np.einsum("nk,nki->ni", share, placed))
 

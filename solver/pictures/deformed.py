@@ -72,7 +72,7 @@ def instants(run: Run) -> list[Instant]:
     entries = run.summary["blocks"]
     most = max(run.scene.blocks, key=lambda b: entries[b.name]["peak_angle_over_alpha"])
     motion = block_motion(run.scene, run.history, most)
-    found = swings(motion.time, motion.angle, motion.shape.slenderness)
+    found = swings(motion.time, motion.angle, motion.shape.slenderness())
     if not found:
         return [Instant(float(t)) for t in np.linspace(first, last, 4)]
     if found[0].first == 0:

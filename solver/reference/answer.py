@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
+from geometry.block import SIDES
 from solver.errors import SceneError
 from solver.excitation.kinds import BaseMotion
 from solver.excitation.motion import GroundMotion, read_ground
@@ -23,7 +25,7 @@ from solver.results.endings import Watch
 from solver.results.events import Recorder
 from solver.scene import Scene
 from solver.scene.checking import shown
-from solver.types import Array
+from solver.types import Array, Indices
 
 ONLY = "where a rigid-body reference is asked for"
 
@@ -107,10 +109,16 @@ def as_history(
 
 
 def _pivots_on_platform(scene: Scene) -> bool:
-    """True if the block is tilted, or at rest and held by friction until it uplifts: mu > B/H."""
+    """True if the block is tilted, or at rest and held by friction until it uplifts: mu > B/H.
+
+    Over either edge, whichever is first.
+    """
     block, down = scene.blocks[0], -scene.gravity_vector[1]
     if block.tilt or block.velocity[0]:
         return bool(block.tilt)
+    if not block.shape.is_even:
+        farthest = max(block.shape.uplift(side) for side in SIDES)
+        return resistance(scene).holds(down, slipped=False) > down * farthest
     return resistance(scene).holds(down, slipped=False) * block.height > down * block.width
 
 
@@ -171,7 +179,9 @@ def slide(scene: Scene, ground: GroundMotion) -> dict[str, Array]:
         vertical=_acceleration_of(ground.up),
     )
     normal = -down + _sampled(ground.up, found.time)
-    uplift = np.abs(found.friction) * block.height > normal * block.width
+    # Pushed towards +x below its centre, it leans to -x.
+    shape, side = block.shape, np.where(found.friction > 0, -1, 1)
+    uplift = np.abs(found.friction) > normal * _of_side(shape.uplift, side)
     if scene.has_platform and uplift.any():
         got = f"a block that would rock at {found.time[int(np.argmax(uplift))]:.4g} s"
         raise SceneError("foundation.kind", got, f"a platform with a block that stays flat, {ONLY}")
@@ -182,8 +192,8 @@ def slide(scene: Scene, ground: GroundMotion) -> dict[str, Array]:
         "slip_m": found.slip,
         "gap_left_m": none,
         "gap_right_m": none,
-        "centre_x_m": block.offset + found.slip + found.drift,
-        "centre_y_m": none + block.height / 2,
+        "centre_x_m": block.offset + shape.centre_of_mass()[0] + found.slip + found.drift,
+        "centre_y_m": none + shape.centre_height,
         "normal_force_N": block.shape.mass * normal,
         "friction_force_N": block.shape.mass * found.friction,
     }
@@ -232,7 +242,8 @@ def rock(
     # At rest: upright, or lying on its side.
     moves = (velocity != 0) | ((angle != 0) & (np.abs(angle) < math.pi / 2))
     side = np.where(angle < 0, -1.0, 1.0)
-    lean, radius = shape.slenderness - np.abs(angle), shape.half_diagonal
+    edge = side.astype(int)
+    lean, radius = _of_side(shape.slenderness, edge) - np.abs(angle), _of_side(shape.radius, edge)
     # The centre on its circle about the pivot; lean' = -side theta'.
     across = radius * (np.cos(lean) * turning + side * np.sin(lean) * velocity**2)
     up = radius * (side * np.sin(lean) * turning - np.cos(lean) * velocity**2)
@@ -250,9 +261,14 @@ def rock(
         "friction_force_N": shape.mass * (base + np.where(moves, across, 0.0)),
     }
     speed, rise = radius * np.cos(lean) * velocity, side * radius * np.sin(lean) * velocity
-    kinetic = shape.rotary_inertia_about_corner * velocity**2 / 2
+    kinetic = _of_side(shape.rotary_inertia_about_corner, edge) * velocity**2 / 2
     kinetic += shape.mass * found.drift_velocity * (found.drift_velocity / 2 + speed)
     return _table(scene, ground, found, values, kinetic, speed, rise=rise)
+
+
+def _of_side(number: Callable[[int], float], side: Indices) -> Array:
+    """A number of a block about the edge on a side, over the rows."""
+    return np.where(side < 0, number(-1), number(1))
 
 
 def _sampled(motion: BaseMotion | None, time: Array) -> Array:

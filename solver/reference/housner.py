@@ -10,18 +10,20 @@ theta,
 
 between impacts; at an impact w+ = e w- about the new corner, and the horizontal momentum stays:
 V+ - V- = -kappa h (w+ - w-), kappa = m/(m + M), h the half height. On firm ground A is a_g.
-docs/reference.md derives the equations.
+docs/reference.md derives the equations. Of an uneven block R, alpha, I_o and e are those of the
+edge on the side of s.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from geometry.block import Block
+from geometry.block import SIDES, Block
 from solver.reference.phases import (
     EXACT,
     Acceleration,
@@ -68,21 +70,22 @@ class RockingReference:
     overturned: bool
 
 
-def housner_restitution(shape: Block) -> float:
-    """Ratio of angular velocities across an impact, e = 1 - 3/2 sin^2 alpha (Housner 1963)."""
-    return 1 - 1.5 * math.sin(shape.slenderness) ** 2
+def housner_restitution(shape: Block, side: int = 0) -> float:
+    """Ratio of angular velocities across an impact, e = 1 - 3/2 sin^2 alpha (Housner 1963).
+
+    Of an uneven block, at an impact on the edge of a side; see `Block.restitution`.
+    """
+    return shape.restitution(side)
 
 
-def restitution_on_platform(shape: Block, platform_mass: float) -> float:
+def restitution_on_platform(shape: Block, platform_mass: float, side: int = 0) -> float:
     """Ratio of angular velocities across an impact without rebound, on a platform that is free.
 
     [h^2 (4/3 - kappa) - (2/3) b^2]/[h^2 (4/3 - kappa) + (4/3) b^2], b and h half of width and
     height: the angular momentum about the new corner and the horizontal momentum stay. Housner's
     ratio for a heavy platform.
     """
-    kappa = shape.mass / (shape.mass + platform_mass)
-    high, wide = (4 / 3 - kappa) * (shape.height / 2) ** 2, (shape.width / 2) ** 2
-    return (high - 2 / 3 * wide) / (high + 4 / 3 * wide)
+    return shape.restitution(side, shape.mass / (shape.mass + platform_mass))
 
 
 def housner(
@@ -106,7 +109,8 @@ def housner(
     On firm ground theta'' = -3/(4 R) [(g + a_v) sin(alpha sgn theta - theta) + a_g cos(alpha sgn
     theta - theta)] between impacts and w+ = e w- at impacts; from rest the block uplifts when |a_g|
     > (g + a_v) B/H (Yim, Chopra and Penzien 1980). On an incline of angle b the same holds with
-    gravity g cos b and acceleration a_g - g sin b.
+    gravity g cos b and acceleration a_g - g sin b. An uneven block has R, alpha, I_o and e of the
+    edge that it turns about, or lands on.
 
     Args:
         shape: The block.
@@ -126,13 +130,15 @@ def housner(
         tolerance: Relative, of the integrator.
     """
     if restitution is not None:
-        ratio = restitution
+        ratios = dict.fromkeys(SIDES, restitution)
     elif platform is not None:
-        ratio = max(0.0, restitution_on_platform(shape, platform.mass))
+        ratios = {
+            side: max(0.0, restitution_on_platform(shape, platform.mass, side)) for side in SIDES
+        }
     else:
-        ratio = max(0.0, housner_restitution(shape))
-    if not 0 <= ratio <= 1 or not abs(tilt) < math.pi / 2:
-        raise ValueError(f"housner: tilt={tilt}, restitution={ratio}")
+        ratios = {side: max(0.0, housner_restitution(shape, side)) for side in SIDES}
+    if not all(0 <= ratio <= 1 for ratio in ratios.values()) or not abs(tilt) < math.pi / 2:
+        raise ValueError(f"housner: tilt={tilt}, restitution={ratios[1]}")
     # Over ground that moves, no feature of its motion may be stepped over.
     free = platform is None and acceleration is still and vertical is still
     block = _Rocker(
@@ -147,7 +153,7 @@ def housner(
         tolerance=tolerance,
     )
     recorder = Recorder(output_times(end, step), size=4)
-    impacts, peaks, overturned = block.follow(np.array([tilt, 0.0, drift, 0.0]), ratio, recorder)
+    impacts, peaks, overturned = block.follow(np.array([tilt, 0.0, drift, 0.0]), ratios, recorder)
     turning, under = block.accelerations(recorder.time, recorder.states)
     angle, velocity, drifts, drift_velocity = recorder.states.T
     return RockingReference(
@@ -182,9 +188,11 @@ class _Rocker:
     tolerance: float
 
     def follow(
-        self, state: Array, restitution: float, recorder: Recorder
+        self, state: Array, restitution: Mapping[int, float], recorder: Recorder
     ) -> tuple[list[float], list[float], bool]:
         """Go from event to event, from a state at time 0 to the end, recording all of it.
+
+        The restitutions are those of impacts on the edge of a side.
 
         Returns:
             Times of impacts (s), angles at which swings turn round (rad), True if it overturns.
@@ -206,7 +214,7 @@ class _Rocker:
             peaks.extend(found[0] for found in phase.y_events[2])
             if len(phase.t_events[0]):
                 impacts.append(time)
-                left = restitution * state[1]
+                left = restitution[-int(side)] * state[1]
                 state = self._jump(state, 0.0, 0.0 if self._rests(left) else left)
             elif len(phase.t_events[1]):
                 overturned, state = True, self._jump(state, side * math.pi / 2, 0.0)
@@ -214,12 +222,15 @@ class _Rocker:
 
     def _rests(self, velocity: float) -> bool:
         """True if an upright block has too little angular velocity (1/s) left to go on."""
-        barrier = self.shape.frequency(self.gravity) ** 2 * (1 - math.cos(self.shape.slenderness))
+        side = -1 if velocity < 0 else 1
+        lean = self.shape.slenderness(side)
+        barrier = self.shape.frequency(self.gravity, side) ** 2 * (1 - math.cos(lean))
         return velocity**2 / 2 <= RESTING_ENERGY * barrier
 
     def _arms(self, angle: float, side: float) -> tuple[float, float]:
         """Displacement of the centre along x, and upwards, per radian of rotation, m."""
-        lean, radius = self.shape.slenderness - side * angle, self.shape.half_diagonal
+        edge = int(side)
+        lean, radius = self.shape.slenderness(edge) - side * angle, self.shape.radius(edge)
         return radius * math.cos(lean), side * radius * math.sin(lean)
 
     def _together(self, time: float, state: State) -> float:
@@ -230,12 +241,24 @@ class _Rocker:
         return -(c * state[3] + k * state[2]) / (m + self.shape.mass)
 
     def _limit(self, time: float) -> float:
-        """Acceleration A that uplifts the block, m/s^2."""
-        return (self.gravity + self.vertical(time)) * math.tan(self.shape.slenderness)
+        """Acceleration A that uplifts the block over the edge that is nearer, m/s^2."""
+        return (self.gravity + self.vertical(time)) * math.tan(self.shape.slenderness())
+
+    def _demand(self, acceleration: float) -> float:
+        """An acceleration A, less by how much farther the edge is over which it overturns, m/s^2.
+
+        The block stays behind what it stands on: it leans to -x where that accelerates towards +x.
+        """
+        side = -1 if acceleration > 0 else 1
+        return acceleration * (self.shape.arm() / self.shape.arm(side))
 
     def _uplift(self, time: float) -> float | None:
         """Time at which the block on firm ground begins to rock, s; None: never."""
-        return first_beyond(self.ground, self._limit, time, self.end, self.step)
+
+        def demand(time: float) -> float:
+            return self._demand(self.ground(time))
+
+        return first_beyond(demand, self._limit, time, self.end, self.step)
 
     def _side(self, time: float, state: State) -> float:
         """To which side the block leans from here on, +1 or -1; 0: it stands, or lies."""
@@ -244,7 +267,7 @@ class _Rocker:
             return 0.0
         if angle or velocity:
             return math.copysign(1.0, angle or velocity)
-        needed = self._together(time, state)
+        needed = self._demand(self._together(time, state))
         # The block stays behind what it stands on.
         return -math.copysign(1.0, needed) if abs(needed) > self._limit(time) else 0.0
 
@@ -260,7 +283,7 @@ class _Rocker:
     def _rates(self, time: float, state: State, side: float) -> tuple[float, float]:
         """Angular acceleration in a swing, and A - a_g of what carries the block."""
         angle, velocity, drift, speed = state
-        mass, inertia = self.shape.mass, self.shape.rotary_inertia_about_corner
+        mass, inertia = self.shape.mass, self.shape.rotary_inertia_about_corner(int(side))
         across, up = self._arms(angle, side)
         moment, coupling = -mass * up * (self.gravity + self.vertical(time)), mass * across
         if self.platform is None:
@@ -292,7 +315,7 @@ class _Rocker:
             return 0.0, 0.0, y[3], self._together(time, y) - self.ground(time)
 
         def excess(time: float, y: Array) -> float:
-            return abs(self._together(time, y)) - BEYOND * self._limit(time)
+            return abs(self._demand(self._together(time, y))) - BEYOND * self._limit(time)
 
         events = [] if state[0] else [event(excess, falling=False, terminal=True)]
         return self._solved(derivative, start, state, events)

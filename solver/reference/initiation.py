@@ -2,48 +2,64 @@
 
 r = H/B; A = horizontal acceleration of the base over gravity; mu = friction, static = dynamic. From
 rest these criteria say how the only block of a scene begins to move, else the forces at release.
+
+For a block that is uneven they are derived again, about the edge that it turns about: r = h/b by
+the height of the centre of mass and its distance from that edge, and j = I/(m b^2), which is (1 +
+r^2)/3 where the block is even.
 """
 
 from __future__ import annotations
 
 import math
 
-from geometry.block import Block
+import numpy as np
+
+from geometry.block import SIDES, Block
 from solver.excitation.motion import GroundMotion, read_ground
+from solver.excitation.sampled import SampledMotion
 from solver.reference.sliding import Resistance
 from solver.scene import Scene
+from solver.types import Array
 
 
-def rocking_friction(acceleration: float, slenderness_ratio: float) -> float:
+def rocking_friction(
+    acceleration: float, slenderness_ratio: float, inertia: float | None = None
+) -> float:
     """Friction that pure rocking needs: mu_R(A) = [A (4 + r^2) + 3 r] / [1 + 4 r^2 + 3 r A].
 
-    A = |a_g|/g >= 1/r, r = H/B.
+    A = |a_g|/g >= 1/r, r = H/B. With the inertia j it is [A (1 + j) + r] / [j + r^2 + r A].
     """
     a, r = acceleration, slenderness_ratio
+    if inertia is not None:
+        return (a * (1 + inertia) + r) / (inertia + r**2 + r * a)
     return (a * (4 + r**2) + 3 * r) / (1 + 4 * r**2 + 3 * r * a)
 
 
-def initial_mode(acceleration: float, friction: float, slenderness_ratio: float) -> str:
+def initial_mode(
+    acceleration: float, friction: float, slenderness_ratio: float, inertia: float | None = None
+) -> str:
     """Mode in which a block at rest answers to a sudden acceleration of its base, A = |a_g|/g.
 
-    "rest", "slide", "rock" or "slide-rock", by mu and r = H/B.
+    "rest", "slide", "rock" or "slide-rock", by mu and r = H/B, and by j of an uneven block.
     """
     uplift = 1 / slenderness_ratio
     if acceleration <= min(friction, uplift):
         return "rest"
     if acceleration <= uplift or friction <= uplift:
         return "slide"
-    return "rock" if friction >= rocking_friction(acceleration, slenderness_ratio) else "slide-rock"
+    needed = rocking_friction(acceleration, slenderness_ratio, inertia)
+    return "rock" if friction >= needed else "slide-rock"
 
 
-def release_friction(angle: float, slenderness: float) -> float:
+def release_friction(angle: float, slenderness: float, share: float = 0.75) -> float:
     """Friction that a block needs to rock from a tilt without sliding, at its release from rest.
 
     With phi = alpha - |theta| the lean of the half diagonal, theta'' = -p^2 sin(phi) (Housner 1963)
     moves the centre; force over normal force is (3/4) sin(phi) cos(phi) / (1 - (3/4) sin^2(phi)).
+    Of an uneven block the `share` m R^2/I_o stands for 3/4.
     """
     lean = slenderness - abs(angle)
-    return abs(0.75 * math.sin(lean) * math.cos(lean) / (1 - 0.75 * math.sin(lean) ** 2))
+    return abs(share * math.sin(lean) * math.cos(lean) / (1 - share * math.sin(lean) ** 2))
 
 
 def initial_accelerations(
@@ -113,6 +129,26 @@ def demand(scene: Scene, ground: GroundMotion) -> float:
     return wanted / left if left > 0 else math.inf
 
 
+INSTANTS = 20_000
+"""Instants at which the largest acceleration in one direction is looked for."""
+
+
+def _demand_towards(scene: Scene, ground: GroundMotion, side: int) -> float:
+    """The same of accelerations with which a block leans to a side: those to the other one."""
+    along, down = scene.gravity_vector[0], -scene.gravity_vector[-1]
+    left = down - (ground.up.peak if ground.up else 0.0)
+    motion, most = ground.along, 0.0
+    if isinstance(motion, SampledMotion):
+        most = float(np.max(-side * motion.value, initial=0.0))
+    elif motion is not None:
+        times: Array = np.arange(INSTANTS, dtype=np.float64) * (
+            min(motion.stop, scene.time.end) / INSTANTS
+        )
+        most = float(np.max(-side * motion.accelerations(times)))
+    wanted = max(0.0, side * along + max(0.0, most))
+    return wanted / left if left > 0 else math.inf
+
+
 def has_expected_mode(scene: Scene) -> bool:
     """True if there is a criterion: one block on ground that does not give way, and gravity."""
     block = scene.blocks[0]
@@ -136,18 +172,39 @@ def expected_mode(scene: Scene, ground: GroundMotion | None = None) -> str:
     """Mode in which the only block of a scene on firm ground begins to move.
 
     "rest", "slide", "rock", "slide-rock" or "overturned"; from a tilt by the forces at release. The
-    motion of the ground is read here where it is not given.
+    motion of the ground is read here where it is not given. Of an uneven block each side has its
+    own peak, and the one counts where it does more.
     """
     block, law = scene.blocks[0], resistance(scene)
-    gravity, slender = -scene.gravity_vector[-1], block.height / block.width
+    gravity, shape = -scene.gravity_vector[-1], block.shape
     friction = law.holds(gravity, slipped=False) / gravity
     if block.tilt != 0:
-        needed = release_friction(block.tilt, block.shape.slenderness)
-        if abs(block.tilt) > block.shape.slenderness:
+        side = 1 if block.tilt > 0 else -1
+        share = 0.75
+        if not shape.is_even:
+            square = shape.mass * shape.radius(side) ** 2
+            share = square / shape.rotary_inertia_about_corner(side)
+        needed = release_friction(block.tilt, shape.slenderness(side), share)
+        if abs(block.tilt) > shape.slenderness(side):
             return "overturned"
         return "rock" if friction >= needed else "slide-rock"
-    speed = abs(block.velocity[0])
+    speed = block.velocity[0]
     if speed:
         # Friction at work, not what it could hold, decides whether the block trips over it.
-        return "slide" if law.slides(gravity, speed) <= gravity / slender else "slide-rock"
-    return initial_mode(demand(scene, ground or read_ground(scene)), friction, slender)
+        slender = 1 / shape.uplift(1 if speed > 0 else -1)
+        if shape.is_even:
+            slender = block.height / block.width
+        return "slide" if law.slides(gravity, abs(speed)) <= gravity / slender else "slide-rock"
+    ground = ground or read_ground(scene)
+    if shape.is_even:
+        return initial_mode(demand(scene, ground), friction, block.height / block.width)
+    found = {
+        side: initial_mode(
+            _demand_towards(scene, ground, side),
+            friction,
+            1 / shape.uplift(side),
+            shape.rotary_inertia / (shape.mass * shape.arm(side) ** 2),
+        )
+        for side in SIDES
+    }
+    return max(found.values(), key=("rest", "slide", "slide-rock", "rock").index)

@@ -71,6 +71,12 @@ def _densities(scene: Scene) -> list[str]:
         for block in scene.blocks
         if not low <= block.shape.density <= high
     ]
+    found += [
+        f"part {number} of {block.name} weighs {part.density:.3g} kg/m3: look at the unit of that"
+        for block in scene.blocks
+        for number, part in enumerate(block.parts, 1)
+        if not low <= part.density <= high
+    ]
     below = scene.foundation.pressed_material(scene.material_plane, scene.carried_mass)
     if below is not None and not low <= below.density <= high:
         found.append(f"the foundation weighs {below.density:.3g} kg/m3: look at the unit of that")
@@ -179,7 +185,9 @@ def _quarter_period(scene: Scene, block: BlockSpec) -> float:
 
     Of a released block Housner's acosh(1/(1 - theta/alpha))/p, of one that stands 1/p.
     """
-    p, share = block.shape.frequency(scene.gravity), abs(block.tilt) / block.shape.slenderness
+    side = 0 if not block.tilt else 1 if block.tilt > 0 else -1
+    p = block.shape.frequency(scene.gravity, side)
+    share = abs(block.tilt) / block.shape.slenderness(side)
     if p <= 0:
         return math.inf
     return math.acosh(1 / (1 - share)) / p if 0 < share < 1 else 1 / p

@@ -167,7 +167,8 @@ def off_foundation(scene: Scene, history: Columns, block: BlockSpec) -> Mask:
 
 def _off(history: Columns, block: BlockSpec, tops: Iterable[tuple[Boxes, Array]]) -> Mask:
     """In which rows a block moves down, off all of some tops; never in the first one."""
-    middle = centres(history, block.name)
+    box = boxes(history, block)
+    middle = box.centres
     level = middle[:, -1]
     falls = np.diff(level, prepend=level[:1]) < 0
     if not falls.any():
@@ -180,7 +181,7 @@ def _off(history: Columns, block: BlockSpec, tops: Iterable[tuple[Boxes, Array]]
         falls &= (height < 0) | (aside > half).any(axis=1)
         if not falls.any():
             return falls
-        reach = boxes(history, block).reach(inwards)
+        reach = box.reach(inwards)
         below = height + reach[:, -1] <= 0
         beside = (aside - reach[:, :-1] >= half).any(axis=1) & (height < reach[:, -1])
         falls &= below | beside

@@ -45,13 +45,12 @@ def losses(history: History) -> dict[str, float]:
 
 
 def upright_centre(scene: Scene, block: BlockSpec) -> Array:
-    """Centre of a block that stands upright at its place, on all that carries it, m, (d,).
+    """Centre of mass of a block that stands upright at its place, on all that carries it, m, (d,).
 
     In the frame of the foundation: its surface is at level 0, its centre at x = 0.
     """
-    middle = np.zeros(scene.dimension)
-    middle[-1] = block.height / 2
-    return scene.poses(upright=True)[block.name](middle[None])[0]
+    own = np.array(block.shape.centre_of_mass(scene.dimension))
+    return scene.poses(upright=True)[block.name](own[None])[0]
 
 
 def gravity_above_upright(scene: Scene, history: History) -> Array:

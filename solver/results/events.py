@@ -435,10 +435,10 @@ class _Search:
     def _swings(self, *, firm: bool, ends: bool) -> Iterator[Event]:
         """Lift-offs and impacts."""
         m, last = self._motion, len(self._motion.time) - 1
-        found = swings(m.time, m.angle, m.shape.slenderness)
+        found = swings(m.time, m.angle, m.shape.slenderness())
         free = 0
         for swing, after in zip_longest(found, found[1:]):
-            start = begins(swing, m.angle, m.shape.slenderness, free)
+            start = begins(swing, m.angle, m.shape.slenderness(), free)
             rests = (
                 m.time[start] - self._noted.get("impact", -np.inf)
                 > MOMENTUM_WINDOW * self._time_scale
@@ -505,7 +505,7 @@ class _Search:
             angular_velocity_before_rad_s=before,
             angular_velocity_after_rad_s=kept,
             impulse_Ns=float((m.normal[n + 1 : r + 1] - weight) @ np.diff(m.time[n : r + 1])),
-            energy_lost_J=0.5 * m.shape.rotary_inertia_about_corner * (before**2 - kept**2),
+            energy_lost_J=_lost(m.shape, (side, before), (later, kept)),
             restitution=math.nan if reason == ROLLS else ratio,
             reason=reason,
         )
@@ -559,11 +559,10 @@ class _Search:
         if m.aside[rows].max() > LARGEST_SIDE_LEAN * np.abs(m.angle[rows]).max():
             return ROLLS
         last = after.peak_s if after else np.inf
-        alpha = m.shape.slenderness
-        rises = [np.cos(alpha - abs(s.peak_rad)) - np.cos(alpha) for s in (before, after or before)]
+        rises = [_rise(m.shape, s.peak_rad) for s in (before, after or before)]
         beside = (m.time >= before.peak_s) & (m.time <= last)
         hop = np.max(m.gaps.min(axis=1)[beside], initial=0.0)
-        return HOPS if hop > LARGEST_HOP * m.shape.half_diagonal * max(rises) else ""
+        return HOPS if hop > LARGEST_HOP * max(rises) else ""
 
     def _rates(self, span: _Span, last: int, met: Meeting | None) -> _Read:
         """The angular velocities of a meeting, or the slopes of the angle beside the impact."""
@@ -650,7 +649,8 @@ class _Search:
             0.5 * (values[own][1:] + values[own][:-1])
             for values in (m.angle, m.turn, m.place, m.below, m.pull)
         )
-        x, y = -0.5 * side * shape.width, 0.5 * shape.height
+        own_side = 1 if side > 0 else -1
+        x, y = -side * shape.arm(own_side), shape.centre_height
         arm = np.stack([np.cos(turn) * x + np.sin(turn) * y, np.cos(turn) * y - np.sin(turn) * x])
         spin_below = np.diff(m.below_turn[own]) / dt
         reach = place - arm.T - below
@@ -658,7 +658,7 @@ class _Search:
         if carried:
             edge = edge + spin_below[:, None] * np.stack([reach[:, 1], -reach[:, 0]], axis=1)
         speed = np.diff(m.place[own], axis=0) / dt[:, None] - edge
-        inertia = shape.rotary_inertia_about_corner
+        inertia = shape.rotary_inertia_about_corner(own_side)
         share = shape.mass / inertia
         spin = shape.rotary_inertia / inertia * np.diff(m.turn[own]) / dt
         spin += share * (speed[:, 0] * arm[1] - speed[:, 1] * arm[0])
@@ -699,6 +699,24 @@ class _Read(NamedTuple):
     """The row at which it is over."""
     reason: str
     """Reason why nothing is known, or ""."""
+
+
+def _rise(shape: Block, peak: float) -> float:
+    """What the centre of mass of a block rises to a peak (rad) over its edge, m."""
+    side = -1 if peak < 0 else 1
+    alpha = shape.slenderness(side)
+    return shape.radius(side) * (math.cos(alpha - abs(peak)) - math.cos(alpha))
+
+
+def _lost(shape: Block, before: tuple[float, float], kept: tuple[float, float]) -> float:
+    """Kinetic energy that a block loses from one edge to another, by sides and spins, J."""
+    if shape.is_even:
+        return 0.5 * shape.rotary_inertia_about_corner() * (before[1] ** 2 - kept[1] ** 2)
+    first, second = (
+        0.5 * shape.rotary_inertia_about_corner(1 if side > 0 else -1) * spin**2
+        for side, spin in (before, kept)
+    )
+    return first - second
 
 
 def _slope(time: Array, value: Array, row: int) -> float:

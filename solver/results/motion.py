@@ -7,7 +7,7 @@ there is the angle of two dimensions, and the width of its base across that plan
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
@@ -101,6 +101,18 @@ class BlockMotion:
     aside: Array
     """Lean out of that plane, rad; 0 in 2-D."""
 
+    @property
+    def slenderness(self) -> float | Array:
+        """Slenderness alpha on the side to which it leans, rad: over the rows where uneven."""
+        if self.shape.is_even:
+            return self.shape.slenderness()
+        return of_side(self.shape.slenderness, np.where(self.lean < 0, self.lean, self.angle))
+
+
+def of_side(number: Callable[[int], float], lean: Array) -> Array:
+    """A number of a block about the edge to which it leans, over the rows."""
+    return np.where(lean < 0, number(-1), number(1))
+
 
 def block_motion(scene: Scene, history: History, block: BlockSpec) -> BlockMotion:
     """The motion of a block as its columns give it."""
@@ -141,9 +153,9 @@ def mode(block: Block, motion: BlockMotion, *, fell: bool = False) -> str:
     if fell or motion.fell:
         return "fell"
     shape = motion.shape
-    if overturned(motion.lean, shape.slenderness):
+    if overturned(motion.lean, motion.slenderness):
         return "overturned"
-    swinging = np.abs(motion.angle) > SMALLEST_SWING * shape.slenderness
+    swinging = np.abs(motion.angle) > SMALLEST_SWING * shape.slenderness()
     lifted = motion.lift > SMALLEST_LIFT * shape.width
     round_corners = np.abs(motion.turn) * math.hypot(block.width, block.thickness) / 2
     found = {
@@ -196,7 +208,7 @@ def lost_carrier(history: Columns, block: BlockSpec, carrier: BlockSpec) -> Mask
     below = boxes(history, carrier)
     up = below.frames[:, :, -1]
     height = np.sum((centres(history, block.name) - below.centres) * up, axis=1)
-    return np.asarray((up[:, -1] <= STEEPEST_TOP) | (height <= carrier.height / 2))
+    return np.asarray((up[:, -1] <= STEEPEST_TOP) | (height <= below.half[-1]))
 
 
 def total_lean(history: Columns, name: str) -> Array:
@@ -210,14 +222,22 @@ def slenderness(history: Columns, block: BlockSpec) -> Array:
     """Slenderness alpha of a block in the direction in which it leans, over the rows, rad."""
     shape = block.shape
     if not is_spatial(history, block.name):
-        return np.full(len(history["time_s"]), shape.slenderness)
+        if shape.is_even:
+            return np.full(len(history["time_s"]), shape.slenderness())
+        return of_side(shape.slenderness, history[f"{block.name}.angle_rad"])
     # The upright direction in the block's own frame.
-    across = np.abs(boxes(history, block).frames[:, 2, :2])
+    upright = boxes(history, block).frames[:, 2, :2]
+    across = np.abs(upright)
     length = np.hypot(across[:, 0], across[:, 1])
     width = across @ [shape.width, shape.thickness]
     straight = length == 0
     width = np.where(straight, shape.width, width / np.where(straight, 1.0, length))
-    return np.arctan2(width, shape.height)
+    if shape.centre is None:
+        return np.arctan2(width, shape.height)
+    # It leans away from there, towards the place of its bottom that is farthest that way.
+    nearer = -(upright @ shape.centre[:2]) / np.where(straight, 1.0, length)
+    arm = np.where(straight, shape.arm(), width / 2 - nearer)
+    return np.arctan2(arm, shape.centre_height)
 
 
 def lean_over_alpha(history: Columns, block: BlockSpec) -> Array:
@@ -235,8 +255,11 @@ def boxes(history: Columns, block: BlockSpec) -> Boxes:
         angle = history[f"{name}.angle_rad"]
         cosine, sine = np.cos(angle), np.sin(angle)
         axes = [np.stack([cosine, -sine], axis=1), np.stack([sine, cosine], axis=1)]
-    half = np.array(block.shape.half_lengths(len(axes)))
-    return Boxes(half=half, centres=centres(history, name), frames=np.stack(axes, axis=2))
+    shape, frames, middle = block.shape, np.stack(axes, axis=2), centres(history, name)
+    if shape.centre is not None:
+        d = len(axes)
+        middle = middle + frames @ (np.array(shape.middle(d)) - shape.centre_of_mass(d))
+    return Boxes(half=np.array(shape.half_lengths(len(axes))), centres=middle, frames=frames)
 
 
 def rotated(rotations: Array, vectors: Array) -> Array:
@@ -315,7 +338,9 @@ def _leaning_in_space(history: Columns, block: BlockSpec, carrier: BlockSpec | N
     angle = np.unwrap(np.arctan2(axes[:, :2] @ direction, axes[:, 2]))
     across = axes[:, 0] * direction[1] - axes[:, 1] * direction[0]
     aside = np.abs(np.arcsin(np.clip(across, -1.0, 1.0)))
-    return Leaning(angle, _shape_across(block.shape, _towards(own)), direction, aside)
+    length, backwards = float(np.linalg.norm(own)), float(axes[most, :2] @ direction) < 0
+    way = own / (-length if backwards else length) if length else np.array([1.0, 0.0])
+    return Leaning(angle, block.shape.across((float(way[0]), float(way[1]))), direction, aside)
 
 
 def _towards(horizontal: Array) -> Array:
@@ -326,13 +351,6 @@ def _towards(horizontal: Array) -> Array:
     unit = horizontal / length
     backwards = unit[0] < -1e-9 or (abs(unit[0]) <= 1e-9 and unit[1] < 0)
     return np.asarray(-unit if backwards else unit)
-
-
-def _shape_across(shape: Block, direction: Array) -> Block:
-    """The block as one that leans in a direction of its base: as wide as the base is along it."""
-    width = float(np.abs(direction) @ [shape.width, shape.thickness])
-    area = shape.width * shape.thickness
-    return Block(width=width, height=shape.height, thickness=area / width, density=shape.density)
 
 
 def _fell(history: History, block: BlockSpec, carriers: Sequence[BlockSpec]) -> bool:
@@ -349,10 +367,6 @@ def _fell(history: History, block: BlockSpec, carriers: Sequence[BlockSpec]) -> 
 
 def _is_below(history: History, centre: Array, carrier: BlockSpec) -> bool:
     """True if a place is below the top of a block at the end, or below its centre."""
-    above = centre - centres(history, carrier.name)[-1]
-    if is_spatial(history, carrier.name):
-        normal = upright_axes(history, carrier.name)[-1]
-    else:
-        angle = history[f"{carrier.name}.angle_rad"][-1]
-        normal = np.array([np.sin(angle), np.cos(angle)])
-    return bool(above @ normal < carrier.height / 2 or above[-1] < 0)
+    below = boxes(history, carrier)
+    above, normal = centre - below.centres[-1], below.frames[-1, :, -1]
+    return bool(above @ normal < below.half[-1] or above[-1] < 0)

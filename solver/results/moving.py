@@ -41,7 +41,7 @@ def _quantities(scene: Scene, history: History) -> Iterator[tuple[Array, float]]
             yield history[name], 0.0
     for block in scene.blocks:
         # A thousandth of alpha, and of the width: less is the wobble of an elastic block at rest.
-        yield total_lean(history, block.name), 1e-3 * block.shape.slenderness
+        yield total_lean(history, block.name), 1e-3 * block.shape.slenderness()
         for column in (f"{block.name}.slip_m", f"{block.name}.slip_second_m"):
             if column in history:
                 yield history[column], 1e-3 * block.width

@@ -99,7 +99,7 @@ def _block(
     slip = np.linalg.norm(motion.slip, axis=1)
     over, off = overturned_at(history, block), fell_at(scene, history, block)
     standing = time <= min((t for t in (over, off) if t is not None), default=math.inf)
-    peaks = rocking.peaks(time, angle, shape.slenderness)
+    peaks = rocking.peaks(time, angle, shape.slenderness())
     over_alpha = lean_over_alpha(history, block)
     known = {
         "mode": mode(block.shape, motion, fell=off is not None),

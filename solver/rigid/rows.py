@@ -44,7 +44,7 @@ class BlockRows:
     """Writer of the columns of blocks."""
 
     def __init__(self, corners: Array, carriers: Sequence[int]):
-        """Keep corners about centres, first those of the bottom, and the numbers of carriers.
+        """Keep corners about centres of mass, first those of the bottom, and numbers of carriers.
 
         Corners of the blocks are (n, 2^d, d), m.
         """

@@ -42,16 +42,15 @@ class RigidBlock:
     pose: Pose
     """From its own frame, origin at the bottom centre, to where it stands; level 0: the ground."""
     velocity: Sequence[float] | Array | float = 0.0
-    """Velocity of the centre, relative to the ground, m/s; 0: it rests."""
+    """Velocity of the centre of mass, relative to the ground, m/s; 0: it rests."""
     angular_velocity: Sequence[float] | Array | float = 0.0
     """rad/s: in the plane clockwise, in space a vector or 0."""
 
     @property
     def centre(self) -> Array:
-        """Where its centre starts, m."""
-        middle = np.zeros((1, len(self.pose.place)))
-        middle[0, -1] = self.shape.height / 2
-        return self.pose(middle)[0]
+        """Where its centre of mass starts, m."""
+        own = np.array(self.shape.centre_of_mass(len(self.pose.place)))
+        return np.asarray(self.pose(own[None])[0])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -350,7 +349,7 @@ class RigidSystem:
         return self._before.velocity[0, -1, :-1].copy()
 
     def centre(self, block: int) -> Array:
-        """Centre of a block, m."""
+        """Centre of mass of a block, m."""
         return self._before.centre[0, block].copy()
 
     def angle(self, block: int) -> float:
@@ -362,7 +361,7 @@ class RigidSystem:
         return rotation_matrices(self._before.rotation[0, block])
 
     def velocity(self, block: int) -> Array:
-        """Velocity of the centre of a block, m/s."""
+        """Velocity of the centre of mass of a block, m/s."""
         return self._before.velocity[0, block].copy()
 
     def angular_velocity(self, block: int) -> Array:
@@ -388,7 +387,7 @@ def _body_of(world: World, block: RigidBlock) -> Body:
     return Body(
         shape=world.polyhedron(corners, FACES),
         mass=shape.mass,
-        inertia=shape.principal_inertias,
+        inertia=shape.principal_inertias if shape.is_even else np.array(shape.inertia_tensor),
         centre=block.centre,
         rotation=quaternion_of(turn),
         velocity=block.velocity,
@@ -397,10 +396,9 @@ def _body_of(world: World, block: RigidBlock) -> Body:
 
 
 def _corners_of(block: RigidBlock) -> Array:
-    """Corners of a block about its centre, m; first those of the bottom."""
-    corners = np.array(block.shape.corners(len(block.pose.place)))
-    corners[:, -1] -= block.shape.height / 2
-    return corners
+    """Corners of a block about its centre of mass, m; first those of the bottom."""
+    d = len(block.pose.place)
+    return np.array(block.shape.corners(d)) - block.shape.centre_of_mass(d)
 
 
 def _base_of(world: World, platform: RigidPlatform | None, d: int) -> Body:

@@ -194,10 +194,11 @@ class BlockObserver:
         assert self._carrier is not None
         system = self._stepper.system
         own = state.rigid_motion(system, self._member.number)
-        below = state.rigid_motion(system, self._carrier.number)
+        below, carrier = state.rigid_motion(system, self._carrier.number), self._carrier.spec
         centre = self._member.body.centre + own.moved
         shift, up = centre - self._carrier.body.centre - below.moved, below.rotation[:, -1]
-        return has_lost_carrier(up[-1], float(shift @ up), self._carrier.spec.height / 2)
+        top = carrier.height - carrier.shape.centre_height
+        return has_lost_carrier(up[-1], float(shift @ up), top)
 
     def _penetration(self, state: State, number: int) -> float:
         """Largest penetration of a point in an interface, m; 0 if none penetrates."""

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
-from geometry.block import Block
+from geometry.block import SIDES, Block
 from solver.bodies.memory import solver_in_words
 from solver.errors import EnvironmentTrouble
 from solver.excitation.kinds import BaseMotion
@@ -91,43 +90,66 @@ def _block_numbers(block: BlockSpec, scene: Scene) -> Lines:
     on = f", on {' and '.join(block.carriers)}" if block.carriers != ("foundation",) else ""
     if block.position is not None:
         on = f", with its centre at ({', '.join(f'{part:g}' for part in block.position)}) m"
-    alpha, down = shape.slenderness, -scene.gravity_vector[-1]
+    mean = "" if shape.is_even else "in the mean, "
     lines = [
         (block.name, f"{block.width:g} x {block.height:g} x {block.thickness:g} m{on}{tilt}"),
-        ("  mass", f"{shape.mass:.6g} kg ({shape.density:.6g} kg/m3)"),
-        ("  half diagonal R", f"{shape.half_diagonal:.4f} m"),
-        ("  slenderness alpha", f"{alpha:.5f} rad = {math.degrees(alpha):.3f} degrees"),
+        ("  mass", f"{shape.mass:.6g} kg ({mean}{shape.density:.6g} kg/m3)"),
     ]
-    if down > 0:
-        lines += [
-            ("  frequency p", f"{shape.frequency(down):.4f} 1/s"),
-            ("  uplift at", f"{_uplift(shape, scene, scene.gravity_vector[0]):.4f} g"),
-        ]
-    lines.append(("  restitution", _restitution(block, shape, scene)))
+    if not shape.is_even:
+        lines += _uneven(shape, scene.dimension)
+    lines += _rocking(block, shape, scene, "")
     if scene.dimension == 3:
-        lines += _along_y(block, scene)
+        lines += _rocking(block, shape.across((0.0, 1.0)), scene, "y")
     return lines + damping_of_block(block, scene) + _sliding(block, scene) + _start(block)
 
 
-def _along_y(block: BlockSpec, scene: Scene) -> Lines:
-    """Numbers that differ along y, where a block has its thickness for a width."""
-    shape = replace(block.shape, width=block.thickness, thickness=block.width)
-    alpha, down = shape.slenderness, -scene.gravity_vector[-1]
-    lines = [("  slenderness along y", f"{alpha:.5f} rad = {math.degrees(alpha):.3f} degrees")]
-    if down > 0:
-        lines += [
-            ("  frequency p along y", f"{shape.frequency(down):.4f} 1/s"),
-            ("  uplift along y at", f"{_uplift(shape, scene, 0.0):.4f} g"),
-        ]
-    return [*lines, ("  restitution along y", _restitution(block, shape, scene))]
+def _uneven(shape: Block, dimension: int) -> Lines:
+    """Centre of mass and inertia of a block whose mass is not spread evenly."""
+    centre = ", ".join(f"{part:.5g}" for part in shape.centre_of_mass(dimension))
+    lines = [("  centre of mass", f"({centre}) m from the middle of the bottom")]
+    if dimension == 2:
+        return [*lines, ("  inertia", f"{shape.rotary_inertia:.6g} kg m2 about it")]
+    (x, xy, xz), (_, y, yz), (_, _, z) = shape.inertia_tensor
+    text = f"{x:.6g} {y:.6g} {z:.6g} kg m2 about it"
+    if any((xy, xz, yz)):
+        text += f", xy {xy:.4g}, xz {xz:.4g}, yz {yz:.4g}"
+    return [*lines, ("  inertia", text)]
 
 
-def _restitution(block: BlockSpec, shape: Block, scene: Scene) -> str:
+def _rocking(block: BlockSpec, shape: Block, scene: Scene, axis: str) -> Lines:
+    """Numbers of rocking along an axis, those of both edges where they differ; "" is x.
+
+    The shape is the block as it stands along that axis.
+    """
+    down, along = -scene.gravity_vector[-1], scene.gravity_vector[0] if not axis else 0.0
+    beside, lines = f" along {axis}" if axis else "", []
+    sides = SIDES if shape.centre is not None and shape.centre[0] else (0,)
+    for side in sides:
+        of = f" towards {'-+'[side > 0]}{axis or 'x'}" if side else beside
+        alpha = shape.slenderness(side)
+        if not axis or side:
+            name = "half diagonal R" if shape.centre is None else "radius R"
+            lines.append((f"  {name}{of}", f"{shape.radius(side):.4f} m"))
+        name = f"  slenderness{'' if axis else ' alpha'}{of}"
+        lines.append((name, f"{alpha:.5f} rad = {math.degrees(alpha):.3f} degrees"))
+        if down > 0:
+            uplift = _uplift(shape, scene, along, side)
+            lines.append((f"  frequency p{of}", f"{shape.frequency(down, side):.4f} 1/s"))
+            lines.append((f"  uplift{of} at", f"{uplift:.4f} g"))
+        on = f" on the edge at {'-+'[side > 0]}{axis or 'x'}" if side else beside
+        lines.append((f"  restitution{on}", _restitution(block, shape, scene, side)))
+    return lines
+
+
+def _restitution(block: BlockSpec, shape: Block, scene: Scene, side: int) -> str:
     """Part of its angular velocity that a rigid block keeps at an impact, and the source of it."""
-    ratio, source = housner_restitution(shape), "Housner 1963"
+    ratio, source = housner_restitution(shape, side), "Housner 1963"
+    if not shape.is_even:
+        source = "angular momentum about that edge" if side else "angular momentum about the edge"
     if scene.has_platform and len(scene.blocks) == 1:
-        ratio = restitution_on_platform(shape, scene.platform().mass)
-        source = "on a platform of this mass, (R8) of docs/reference.md"
+        ratio = restitution_on_platform(shape, scene.platform().mass, side)
+        number = "R8" if shape.is_even else "R10"
+        source = f"on a platform of this mass, ({number}) of docs/reference.md"
     elif not _on_firm_ground(block, scene):
         source += ", on firm ground"
     text = f"{ratio:.4f}" if ratio > 0 else "none, too squat to rock on"
@@ -200,13 +222,15 @@ def _start(block: BlockSpec) -> Lines:
     ]
 
 
-def _uplift(shape: Block, scene: Scene, along: float) -> float:
+def _uplift(shape: Block, scene: Scene, along: float, side: int) -> float:
     """Horizontal acceleration of what carries it over gravity at which a block uplifts.
 
-    `along` is gravity along its width, m/s2.
+    It leans to the side; `along` is gravity along its width, m/s2.
     """
     down = -scene.gravity_vector[-1]
-    return max(0.0, down * shape.width / shape.height - abs(along)) / scene.gravity
+    pull = side * along if side else abs(along)
+    limit = down * shape.width / shape.height if shape.is_even else down * shape.uplift(side)
+    return max(0.0, limit - pull) / scene.gravity
 
 
 def _foundation(scene: Scene, ground: GroundMotion) -> Lines:

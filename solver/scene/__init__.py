@@ -8,6 +8,7 @@ from solver.scene.block import BlockSpec
 from solver.scene.contact import Bed, ContactSpec, FrictionSpec, PairSpec
 from solver.scene.damping import DampingSpec
 from solver.scene.foundation import FoundationSpec, Platform
+from solver.scene.mass import PartSpec
 from solver.scene.motion import MotionSpec
 from solver.scene.output import OutputSpec
 from solver.scene.quantities import Dimension
@@ -26,6 +27,7 @@ __all__ = [
     "MotionSpec",
     "OutputSpec",
     "PairSpec",
+    "PartSpec",
     "Platform",
     "Scene",
     "TimeSpec",

@@ -9,6 +9,8 @@ from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal
 
 from geometry.block import Block
+from geometry.density import LinearDensity, Part, PartedDensity, mass_of_parts
+from geometry.density import Vector as SpaceVector
 from solver.errors import SceneError, Statement, missing_key, not_applicable
 from solver.scene.cells import box_mesh_size, cell_of, cells_of
 from solver.scene.checking import OPEN, Checked, exactly_one, is_open, shown
@@ -21,12 +23,21 @@ from solver.scene.damping import (
     sliding_ratio,
     stiffness_damping,
 )
+from solver.scene.mass import (
+    PartSpec,
+    inertia_tensor,
+    refuse_centre,
+    refuse_inertia,
+    refuse_parts,
+    refuse_uneven,
+)
 from solver.scene.material import Material, Plane
 from solver.scene.quantities import (
     Cell,
     Cells,
     Density,
     Dimension,
+    Inertia,
     Length,
     Mass,
     Modulus,
@@ -78,7 +89,16 @@ class BlockSpec(Checked):
     mass: Mass | None = None
     """Mass m of the whole block, kg. Default: this or `density`."""
     density: Density | None = None
-    """rho, kg/m³. Default: this or `mass`."""
+    """rho, kg/m³; beside `parts` that of the rest. Default: this or `mass`."""
+    centre_of_mass: Position | None = None
+    """From the middle of the bottom, upwards last, m; see [uneven mass](#uneven-mass). Default: the
+    middle of the block, or as `parts` have it."""
+    inertia: Inertia | None = None
+    """Rotary inertia about the centre of mass, kg m²; in 3-D about the block's own axes, or a
+    symmetric table of 3 x 3. Rigid blocks only. Default: from the density."""
+    parts: tuple[PartSpec, ...] = ()
+    """Boxes inside the block that have another density; see [uneven mass](#uneven-mass). Default:
+    none."""
     model: Literal["elastic", "rigid"] = "elastic"
     """With a mesh; or without one, with 3 unknowns (6 in 3-D)."""
     young: Modulus | None = None
@@ -86,26 +106,26 @@ class BlockSpec(Checked):
     poisson: Ratio | None = None
     """Poisson's ratio nu. Default: elastic: required."""
     offset: Place = OPEN
-    """Distance of its centre from that of its carrier, along x, before the tilt, m; where there are
+    """Distance of its middle from that of its carrier, along x, before the tilt, m; where there are
     several, from the middle of their tops. Default: 0."""
     offset_second: Place = OPEN
-    """Distance between these centres along y, m; 3-D only. Default: 0."""
+    """Distance between these middles along y, m; 3-D only. Default: 0."""
     position: Position | None = None
-    """Place of its centre at the start, m, over the middle of the foundation's top, instead of
-    `on` and `offset`; see [places in the air](#places-in-the-air). Default: it stands `on`
+    """Place of its centre of mass at the start, m, over the middle of the foundation's top, instead
+    of `on` and `offset`; see [places in the air](#places-in-the-air). Default: it stands `on`
     something."""
     tilt_deg: Tilt = 0.0
     """Rigid rotation at the start about the bottom corner on that side, positive towards +x,
     degrees; against its carrier, with which it is tilted if that is. With `position` about its
-    centre."""
+    centre of mass."""
     tilt_direction_deg: Turn = 0.0
     """Direction in which a positive tilt leans: angle from +x towards +y, degrees; 3-D only."""
     velocity: Vector = OPEN
-    """Velocity of its centre at the start, relative to the ground, m/s. Default: 0 in every
+    """Velocity of its centre of mass at the start, relative to the ground, m/s. Default: 0 in every
     direction."""
     angular_velocity: Rotation = OPEN
-    """Angular velocity at the start, rad/s, about the centre: to turn about a corner, a block has a
-    `velocity` besides. 2-D: positive when a lean towards +x grows; 3-D: about x, y and z by the
+    """Angular velocity at the start, rad/s, about that centre: to turn about a corner, a block has
+    a `velocity` besides. 2-D: positive when a lean towards +x grows; 3-D: about x, y and z by the
     right-hand rule. Default: 0."""
     cells: Cells = OPEN
     """Cells along width and height; 3-D: width, thickness, height. Default: `[6, 16]`; 3-D: `[6, 6,
@@ -140,13 +160,61 @@ class BlockSpec(Checked):
             allowed = f"a letter, then letters, digits, _, -, 100 in all; not {', '.join(RESERVED)}"
             raise SceneError("name", shown(self.name), allowed)
         self._check_place()
-        exactly_one(self, "mass", "density")
+        self._check_mass()
         if self.restitution is not None and self.model != "rigid":
             raise not_applicable("restitution", f"blocks with {RIGID_MODEL} only")
         if self.model == "elastic":
             for key, range_ in (("young", "young > 0"), ("poisson", "0 <= poisson < 0.5")):
                 if getattr(self, key) is None:
                     raise missing_key(key, f"for an elastic block ({range_}), or set {RIGID_MODEL}")
+
+    def _check_mass(self) -> None:
+        """Refuse a mass that is not given, or given twice."""
+        if not self.parts:
+            exactly_one(self, "mass", "density")
+        else:
+            for key in ("mass", "centre_of_mass", "inertia"):
+                if getattr(self, key) is not None:
+                    raise Statement(key, "follows from density and parts; give it or these")
+            if self.density is None:
+                raise missing_key("density", "beside parts: that of the rest of the block")
+        if self.inertia is not None and self.model != "rigid":
+            raise not_applicable("inertia", f"blocks with {RIGID_MODEL} only")
+
+    def _check_spread(self, dimension: Dimension) -> None:
+        """Refuse a centre of mass, an inertia or parts that a block of this dimension cannot have.
+
+        Where the density follows from the centre of mass, it must be negative nowhere.
+        """
+        for part in self.parts:
+            self._refuse_length("parts", part.start, dimension)
+        refuse_parts(self.parts, self._sizes(dimension))
+        if self.inertia is not None:
+            if isinstance(self.inertia, tuple) != (dimension == 3):
+                allowed = "inertia > 0" if dimension == 2 else "3 values, or a table of 3 x 3,"
+                where = f"{allowed} where dimension = {dimension}"
+                raise SceneError("inertia", shown(self.inertia), where)
+            refuse_inertia(self.inertia)
+        if self.centre_of_mass is not None:
+            self._refuse_length("centre_of_mass", self.centre_of_mass, dimension)
+            refuse_centre(self.centre_of_mass, self._sizes(dimension))
+            if self.inertia is None:
+                refuse_uneven(self._linear_density(self.centre_of_mass), self.model)
+
+    def _refuse_length(self, key: str, values: tuple[float, ...], dimension: int) -> None:
+        """Refuse a place that has not as many values as a scene has dimensions."""
+        if len(values) != dimension:
+            allowed = f"{dimension} values, each a finite number, where dimension = {dimension}"
+            raise SceneError(key, shown(values), allowed)
+
+    def _sizes(self, dimension: int) -> tuple[float, ...]:
+        """Its edges along x, in space y, and upwards, m."""
+        return (self.width, *[self.thickness][: dimension - 2], self.height)
+
+    def _linear_density(self, centre: tuple[float, ...]) -> LinearDensity:
+        """The density over its mean that has a centre of mass."""
+        off = *centre[:-1], centre[-1] - self.height / 2
+        return LinearDensity(off=off, sizes=self._sizes(len(centre)))
 
     def _check_place(self) -> None:
         """Refuse a place that is given twice, and carriers that are none or the same."""
@@ -161,9 +229,9 @@ class BlockSpec(Checked):
         for key in ("offset_second", "tilt_direction_deg"):
             if dimension == 2 and getattr(self, key):
                 raise SceneError(key, shown(getattr(self, key)), "0 where dimension = 2")
-        if self.position is not None and len(self.position) != dimension:
-            allowed = f"{dimension} values, each a finite number, where dimension = {dimension}"
-            raise SceneError("position", shown(self.position), allowed)
+        if self.position is not None:
+            self._refuse_length("position", self.position, dimension)
+        self._check_spread(dimension)
         return replace(
             self,
             velocity=self._velocity_in(dimension),
@@ -175,9 +243,7 @@ class BlockSpec(Checked):
     def _velocity_in(self, dimension: Dimension) -> Vector:
         if is_open(self.velocity):
             return (0.0, 0.0) if dimension == 2 else (0.0, 0.0, 0.0)
-        if len(self.velocity) != dimension:
-            allowed = f"{dimension} values, each a finite number, where dimension = {dimension}"
-            raise SceneError("velocity", shown(self.velocity), allowed)
+        self._refuse_length("velocity", self.velocity, dimension)
         return self.velocity
 
     def _spin_in(self, dimension: Dimension) -> Rotation:
@@ -208,11 +274,48 @@ class BlockSpec(Checked):
 
     @property
     def shape(self) -> Block:
-        """The block as a geometric body of uniform density."""
-        volume = self.width * self.height * self.thickness
-        density = self.density or (self.mass or 0.0) / volume  # one of them is there
+        """The block as a geometric body with its mass."""
         size = {"width": self.width, "height": self.height, "thickness": self.thickness}
-        return Block(**size, density=density)
+        volume = self.width * self.height * self.thickness
+        if self.parts:
+            assert self.density is not None
+            edges = self.width, self.thickness, self.height
+            found = mass_of_parts(edges, self.density, self._parts_in_space())
+            mean = found.mass / volume
+            return Block(**size, density=mean, centre=found.centre, inertia=found.tensor)
+        density = self.density or (self.mass or 0.0) / volume  # one of them is there
+        tensor = None if self.inertia is None else inertia_tensor(self.inertia)
+        return Block(**size, density=density, centre=self._centre_in_space(), inertia=tensor)
+
+    def _centre_in_space(self) -> SpaceVector | None:
+        """The given centre of mass along x, y and upwards, m; None: the middle of the block."""
+        if self.centre_of_mass is None:
+            return None
+        x, *second, height = self.centre_of_mass
+        y = second[0] if second else 0.0
+        return None if (x, y, height) == (0.0, 0.0, self.height / 2) else (x, y, height)
+
+    def _parts_in_space(self) -> list[Part]:
+        """The parts as boxes in space, in the plane as thick as the block."""
+        found = []
+        for spec in self.parts:
+            part, half = spec.part, self.thickness / 2
+            if len(part.low) == 2:
+                (x, y), (right, top) = part.low, part.high
+                part = Part((x, -half, y), (right, half, top), part.density)
+            found.append(part)
+        return found
+
+    def relative_density(self) -> LinearDensity | PartedDensity | None:
+        """Its density over the mean; None: it is the same everywhere, or not known (inertia)."""
+        if self.parts:
+            assert self.density is not None
+            mean = self.shape.density
+            parts = (spec.part._replace(density=spec.density / mean) for spec in self.parts)
+            return PartedDensity(rest=self.density / mean, parts=tuple(parts))
+        if self.centre_of_mass is None or self.inertia is not None:
+            return None
+        return None if self.shape.is_even else self._linear_density(self.centre_of_mass)
 
     @property
     def elasticity(self) -> tuple[float, float]:

@@ -275,5 +275,5 @@ def _checked_tuple(choices: Iterable[Any], value: Any, words: str, name: str) ->
             try:
                 return tuple(_checked(*pair, name) for pair in zip(items, value, strict=True))
             except SceneError:
-                break
+                continue  # another one may have as many
     raise SceneError(name, shown(value), words)

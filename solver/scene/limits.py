@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from geometry.density import LinearDensity
 from solver.errors import SceneError
 from solver.scene.block import BlockSpec
 from solver.scene.contact import Bed, ContactSpec
@@ -147,7 +148,8 @@ class TurningBody:
         """A block of this material in a scene of this dimension."""
         edge = min(corner_cell(block, dimension)) / block.degree
         or_rigid = ', or model = "rigid"'
-        return cls(where=f"{block.name}.young", material=material, edge=edge, otherwise=or_rigid)
+        least = replace(material, density=material.density * _least_density(block, dimension))
+        return cls(where=f"{block.name}.young", material=least, edge=edge, otherwise=or_rigid)
 
     @property
     def longest_step(self) -> float:
@@ -163,6 +165,17 @@ class TurningBody:
             got = f"{young:g}, sound crosses {crossed:.2g} cells in a step of {step:g} s"
             allowed = f"young <= {most:.3g} ({MOST_CELLS_A_STEP:g} cells){self.otherwise}"
             raise SceneError(self.where, got, allowed)
+
+
+def _least_density(block: BlockSpec, dimension: Dimension) -> float:
+    """The least mean density of a cell over that of the block: sound is fastest there."""
+    found = block.relative_density()
+    if found is None:
+        return 1.0
+    if isinstance(found, LinearDensity):
+        cells = corner_cell(block, dimension)
+        return found.least([size / edge for size, edge in zip(found.sizes, cells, strict=True)])
+    return min(found.rest, *(part.density for part in found.parts))
 
 
 def refuse_long(block: BlockSpec, dimension: Dimension) -> None:

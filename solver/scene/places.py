@@ -86,17 +86,13 @@ def _on_level(spec: BlockSpec, dimension: Dimension, tilt: float) -> Pose:
 
 
 def _in_the_air(spec: BlockSpec, position: tuple[float, ...], tilt: float) -> Pose:
-    """Place of a block whose centre is at a position, m, turned about it."""
+    """Place of a block whose centre of mass is at a position, m, turned about it."""
     if len(position) == 2:
         rotation = rotation_in_plane(tilt)
     else:
         rotation = rotation_in_space(tilt, spec.tilt_direction)
-    return Pose(rotation=rotation, about=_centre(spec, len(position)), place=np.array(position))
-
-
-def _centre(spec: BlockSpec, dimension: int) -> Array:
-    """The centre of a block in its own frame, (d,), m."""
-    return np.array([*[0.0] * (dimension - 1), spec.height / 2])
+    about = np.array(spec.shape.centre_of_mass(len(position)))
+    return Pose(rotation=rotation, about=about, place=np.array(position))
 
 
 def refuse_places(
@@ -193,6 +189,6 @@ def _overlaps(
 
 def _box(spec: BlockSpec, pose: Pose, dimension: Dimension) -> Boxes:
     """A block as a box at its place."""
-    centre = pose(_centre(spec, dimension)[None])
+    centre = pose(np.array(spec.shape.middle(dimension))[None])
     half = np.array(spec.shape.half_lengths(dimension))
     return Boxes(half=half, centres=centre, frames=pose.rotation[None])

@@ -77,11 +77,12 @@ def number_of(hint: Any) -> Number | None:
 
 
 _TIME, _RATE, _LENGTH = (0.0, 0.5), (0.0, -0.5), (0.0, 1.0)
-_MASS, _STRESS = (1.0, 3.0), (1.0, 1.0)
+_MASS, _STRESS, _MOMENT = (1.0, 3.0), (1.0, 1.0), (1.0, 5.0)
 
 _SIZES = Extremes(1e-6, 1e6, "m, whose fifth powers are moments of inertia")
 _PLACES = Extremes(0.0, 1e6, "m, beyond which places lose the digits of gaps")
 _WEIGHTS = Extremes(1e-9, 1e15, "beyond which weights lose their digits")
+_TURNS = Extremes(1e-24, 1e30, "kg m2, beyond which moments of inertia lose their digits")
 _STEPS = Extremes(1e-9, 1e9, "s, beyond which times lose the digits of steps")
 _INSTANTS = Extremes(0.0, _STEPS.most, _STEPS.reason)
 _RATES = Extremes(1e-6, 1e6, "1/s; steps have to see its period")
@@ -107,6 +108,10 @@ Length = Annotated[float, Number(above=0, extremes=_SIZES, powers=_LENGTH)]
 Place = Annotated[float, Number(extremes=_PLACES, powers=_LENGTH)]
 Mass = Annotated[float, Number(above=0, extremes=_WEIGHTS, powers=_MASS)]
 AddedMass = Annotated[float, Number(at_least=0, powers=_MASS)]
+Moment = Annotated[float, Number(above=0, extremes=_TURNS, powers=_MOMENT)]
+"""Of inertia, kg m2."""
+Product = Annotated[float, Number(powers=_MOMENT)]
+"""Of inertia, kg m2."""
 Density = Annotated[float, Number(above=0, extremes=_WEIGHTS, powers=(1.0, 0.0))]
 Duration = Annotated[float, Number(above=0, extremes=_STEPS, powers=_TIME)]
 Instant = Annotated[float, Number(at_least=0, extremes=_INSTANTS, powers=_TIME)]
@@ -125,6 +130,9 @@ Position: TypeAlias = tuple[Place, Place] | tuple[Place, Place, Place]
 Vector: TypeAlias = tuple[Speed, Speed] | tuple[Speed, Speed, Speed]
 Rotation: TypeAlias = Spin | tuple[Spin, Spin, Spin]
 """A rotation or its rate; in the plane one number."""
+Row: TypeAlias = tuple[Product, Product, Product]
+Inertia: TypeAlias = Moment | tuple[Moment, Moment, Moment] | tuple[Row, Row, Row]
+"""In the plane one number, in space three moments or a table."""
 Dimension: TypeAlias = Literal[2, 3]
 Cells: TypeAlias = tuple[Count, Count] | tuple[Count, Count, Count]
 """Along width and height; in 3-D along width, thickness and height."""

@@ -77,7 +77,7 @@ def _scaled(spec: Any, scale: Scale) -> dict[str, Any]:
     return {
         key_of(field): _value(value, scale, number_of(hint))
         for field, hint, value in pairs
-        if value is not None
+        if value is not None and value != ()
     }
 
 

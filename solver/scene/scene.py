@@ -157,7 +157,7 @@ class Scene(Checked):
 
     def _resolved_time(self) -> TimeSpec:
         """Time stepping with nothing left open."""
-        fastest = max(block.shape.frequency(self.gravity) for block in self.blocks)
+        fastest = max(block.shape.fastest(self.gravity) for block in self.blocks)
         spin = max(math.hypot(*block.spins) for block in self.blocks)
         periods = (motion.shortest_period for _, motion in self.motions)
         return self.time.in_scene(

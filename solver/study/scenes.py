@@ -89,6 +89,14 @@ def is_elastic(tables: Tables) -> bool:
     return "young" in block and "poisson" in block
 
 
+def refuse_uneven(scene: Scene, what: str) -> None:
+    """Refuse blocks whose mass is not spread evenly: SceneError; `what` is for homogeneous ones."""
+    for block in scene.blocks:
+        for key in ("centre_of_mass", "inertia", "parts"):
+            if getattr(block, key) and not block.shape.is_even:
+                raise SceneError(f"{block.name}.{key}", "an uneven block", f"none {what}")
+
+
 def refuse_others(scene: Scene) -> None:
     """Refuse what is not one upright block at rest on firm ground in the plane: SceneError."""
     if scene.dimension != 2:

@@ -57,6 +57,14 @@ CASES: dict[str, list[str]] = {
     "tetrahedra": ["dimension=3", "block.cell=tetrahedron", "block.cells=[1, 1, 1]"],
     "rigid in space": ["dimension=3", "block.model=rigid", FRICTION],
     "rigid without gravity": ["block.model=rigid", "gravity=0", FRICTION],
+    "a centre of mass": ["block.model=rigid", "block.centre_of_mass=[0.02, 0.55]"],
+    "a centre of mass in space": [
+        *("dimension=3", "block.model=rigid", "block.centre_of_mass=[0.01, -0.03, 0.55]"),
+    ],
+    "an inertia on a platform": [
+        *("block.model=rigid", "block.tilt_deg=0", "block.inertia=60", "gravity_tilt_deg=2"),
+        *("foundation={kind='oscillator', mass_ratio=2.0, period=0.5}", "block.restitution=0.95"),
+    ],
     "two records": [f"motion={{{RECORD}, vertical={{{RECORD}, scale=-0.5, start=0.0123}}}}"],
     "steps beside samples": [f"motion={{{RECORD}}}", "time.step=0.003"],
     "a table": ["motion={kind='table', file='table.csv'}"],

@@ -22,7 +22,7 @@ def impacts(time: Array, angle: Array) -> list[float]:
 
 SHAPE = Block(width=0.25, height=1.0, thickness=0.75, density=503.0 / 0.1875)
 GRAVITY = 9.81
-ALPHA = SHAPE.slenderness
+ALPHA = SHAPE.slenderness()
 
 
 def linear_rocking(

@@ -69,8 +69,8 @@ def test_velocities_impulse_and_energy_of_an_impact(
     """omega+ = e omega-, J = m omega- (1 + e) B/2, and what the rotation loses."""
     result = run({"tilt_deg": 3.0, "restitution": restitution}, dimension=dimension, end=0.4)
     shape = parse_scene({"block": [SLENDER], "time": {"end": 1.0}}).blocks[0].shape
-    e = restitution or 1 - 1.5 * math.sin(shape.slenderness) ** 2
-    raised = math.cos(shape.slenderness - math.radians(3)) - math.cos(shape.slenderness)
+    e = restitution or 1 - 1.5 * math.sin(shape.slenderness()) ** 2
+    raised = math.cos(shape.slenderness() - math.radians(3)) - math.cos(shape.slenderness())
     before = -math.sqrt(2 * shape.frequency(G) ** 2 * raised)
     (found,) = events(result, "impact")
     assert found.angular_velocity_before_rad_s == pytest.approx(before, rel=1e-5)
@@ -78,7 +78,7 @@ def test_velocities_impulse_and_energy_of_an_impact(
     assert found.velocity_before_m_s == pytest.approx(0.25 * before, rel=0.01)
     assert found.velocity_after_m_s == pytest.approx(0.0, abs=1e-9)
     assert found.impulse_Ns == pytest.approx(-100 * before * (1 + e) * 0.125, rel=0.01)
-    lost = 0.5 * shape.rotary_inertia_about_corner * before**2 * (1 - e**2)
+    lost = 0.5 * shape.rotary_inertia_about_corner() * before**2 * (1 - e**2)
     assert found.energy_lost_J == pytest.approx(lost, rel=2e-3)
     assert (found.where, found.meets) == ({2: "left", 3: "1+4"}[dimension], "foundation")
     known = result.summary["blocks"]["block"]["impacts"]

@@ -52,7 +52,7 @@ def test_free_rocking(tilt: float) -> None:
     assert history[f"block.gap_{lifted}_m"][0] == pytest.approx(0.25 * math.sin(math.radians(3)))
     assert history[f"block.gap_{pivot}_m"][0] == 0.0
     demand = history["block.friction_force_N"][0] / history["block.normal_force_N"][0]
-    needed = release_friction(math.radians(3), shape.slenderness)
+    needed = release_friction(math.radians(3), shape.slenderness())
     assert demand == pytest.approx(-side * needed)
     # between impacts the centre moves as the forces say: second differences of its place
     before = slice(1, 180)

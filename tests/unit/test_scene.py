@@ -201,6 +201,18 @@ def test_a_spoilt_scene_is_refused_in_one_line(tables, data, value):
 
 
 BASES = {
+    "a block of parts": """
+[[block]]
+width = 0.25
+height = 1.0
+thickness = 0.75
+density = 1000.0
+model = "rigid"
+parts = [{ from = [-0.1, 0.1], to = [0.1, 0.4], density = 9000.0 }]
+[time]
+end = 1.0
+step = 1.0e-3
+""",
     "a stack": """
 [[block]]
 name = "low"

@@ -233,7 +233,7 @@ def test_a_history_in_degrees(tmp_path: Path) -> None:
     assert np.allclose(read_time, time) and np.allclose(read_angle, angle)
     target = target_of(f"history={file}", parse_scene(SCENE), block, 4)
     assert target.restitution == pytest.approx(0.93, abs=2e-4)
-    alpha = block.shape.slenderness
+    alpha = block.shape.slenderness()
     kept = 0.93**2 * (math.cos(alpha - block.tilt) - math.cos(alpha))  # Housner 1963
     first = alpha - math.acos(math.cos(alpha) + kept)
     assert len(target.peaks) == 4

@@ -130,7 +130,7 @@ def test_an_elastic_impact_lasts() -> None:
     """
     run = simulate(scene("time.tolerance=1e-4"))
     shape = scene().blocks[0].shape
-    alpha, p = shape.slenderness, math.sqrt(3 * 9.81 / (4 * shape.half_diagonal))
+    alpha, p = shape.slenderness(), math.sqrt(3 * 9.81 / (4 * shape.half_diagonal))
 
     def quarter(peak: float) -> float:
         """Time that a rigid block takes from a peak to its impact, s."""

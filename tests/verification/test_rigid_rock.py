@@ -29,8 +29,8 @@ def test_a_released_block_starts_on_its_corner() -> None:
     """The reaction of a block at rest that begins to turn about its corner: m (g - b theta'')."""
     given = scene(2, 1e-3, 1e-4, tilt_deg=3.0)
     shape = given.blocks[0].shape
-    lever = shape.half_diagonal * math.sin(shape.slenderness - math.radians(3.0))
-    lifted = shape.weight(G) * (1 - shape.mass * lever**2 / shape.rotary_inertia_about_corner)
+    lever = shape.half_diagonal * math.sin(shape.slenderness() - math.radians(3.0))
+    lifted = shape.weight(G) * (1 - shape.mass * lever**2 / shape.rotary_inertia_about_corner())
     assert run(given).history["block.normal_force_N"][0] == pytest.approx(lifted, rel=1e-5)
 
 
@@ -106,7 +106,7 @@ def test_an_impact_loses_what_the_angular_velocity_loses(d: int) -> None:
     asked = scene(d, 0.3, tilt_deg=3.0, restitution=0.936)
     shape, history = asked.blocks[0].shape, simulate(asked).history
     fall = 503.0 * 9.81 * shape.half_diagonal
-    fall *= math.cos(shape.slenderness - math.radians(3.0)) - math.cos(shape.slenderness)
+    fall *= math.cos(shape.slenderness() - math.radians(3.0)) - math.cos(shape.slenderness())
     assert history["energy.contact_J"][-1] == pytest.approx((1 - 0.936**2) * fall, rel=1e-6)
 
 

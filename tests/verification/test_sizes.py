@@ -20,7 +20,7 @@ def released(
     """A block that is released from a part of alpha, for a few swings in steps of 1/(1000 p)."""
     size = {"width": width, "height": height, "thickness": width}
     shape = parse_scene({"block": [size | STONE], "time": {"end": 1.0}}).blocks[0].shape
-    tilt = np.degrees(part * shape.slenderness)
+    tilt = np.degrees(part * shape.slenderness())
     p = shape.frequency(9.81)
     return parse_scene({
         "block": [size | STONE | {"tilt_deg": tilt} | keys],
@@ -56,7 +56,7 @@ def test_three_sizes_are_equal_over_p_t(model: str, keeps: Any) -> None:
         shape, result = scene.blocks[0].shape, completed(scene)
         p = shape.frequency(scene.gravity)
         found.append((p * result.history["time_s"], result.history["block.angle_rad"]))
-    (time, angle), alpha = found[1], scenes[1].blocks[0].shape.slenderness
+    (time, angle), alpha = found[1], scenes[1].blocks[0].shape.slenderness()
     assert np.ptp(angle) > 0.4 * alpha
     for other, there in (found[0], found[2]):
         np.testing.assert_allclose(other, time, rtol=1e-9, atol=1e-12)
@@ -104,4 +104,4 @@ def test_a_container_and_its_model() -> None:
     assert np.abs(slip).max() > 0.05
     assert np.abs(slip - shrunk).max() < 1e-6 * np.abs(slip).max()
     turned = large.history["block.angle_rad"] - small.history["block.angle_rad"]
-    assert np.abs(turned).max() < 1e-6 * prototype.blocks[0].shape.slenderness
+    assert np.abs(turned).max() < 1e-6 * prototype.blocks[0].shape.slenderness()

@@ -139,7 +139,7 @@ def test_elastic_blocks_of_four_times_the_size_are_similar(tables: Tables) -> No
             "time": {"step": 5e-4 * slow, "end": 0.75 * slow},
         })  # fmt: skip
         history = simulate(scene, comm=MPI.COMM_SELF).history
-        angles.append(history["block.angle_rad"] / scene.blocks[0].shape.slenderness)
+        angles.append(history["block.angle_rad"] / scene.blocks[0].shape.slenderness())
     assert np.abs(angles[0]).max() > 0.2
     assert np.abs(angles[0] - angles[1]).max() < 1e-6
 

@@ -398,7 +398,8 @@ def time_for(scene: Scene, block: BlockSpec, impacts: int) -> float:
     )
     free = scene.dimension == 2 and len(scene.blocks) == 1 and block.tilt and scene.gravity
     upright = not scene.gravity_tilt_deg and not block.angular_velocity and not any(block.velocity)
-    if not (still and free and upright) or abs(block.tilt) >= block.shape.slenderness:
+    balance = block.shape.slenderness(-1 if block.tilt < 0 else 1)
+    if not (still and free and upright) or abs(block.tilt) >= balance:
         return scene.time.end
     longest = housner(
         block.shape,

@@ -122,7 +122,8 @@ def target_of(word: str, scene: Scene, block: BlockSpec, impacts: int) -> Target
     peaks = measured_peaks(time, angle)
     damping = scene.damping_of(block)
     swing = block.shape, scene.gravity, damping.mass if damping else 0.0
-    target = _of_history(Path(text), swing, peaks, impacts, (time, angle))
+    side = -1 if block.tilt < 0 else 1
+    target = _of_history(Path(text), swing, peaks, impacts, (time, angle), side)
     released, tilt = math.degrees(peaks[0]), math.degrees(abs(block.tilt))
     if abs(released - tilt) > RELEASE * tilt:
         allowed = f"that of a release from {tilt:.3g} as in the scene, or another block.tilt_deg"
@@ -136,21 +137,26 @@ def _of_history(
     peaks: Sequence[float],
     impacts: int,
     history: tuple[Array, Array],
+    side: int,
 ) -> Target:
     """The target of measured peaks (rad), that of the release included.
 
-    Swings are those of a shape, under gravity (m/s2), with lambda of the scene (1/s).
+    Swings are those of a shape, under gravity (m/s2), with lambda of the scene (1/s), over one edge
+    and the other in turn; the side is that of the release.
     """
     shape, gravity, drag = swing
-    if peaks and peaks[0] >= shape.slenderness:
-        got = f"a peak of {peaks[0]:.3g} rad, beyond the block's balance at {shape.slenderness:.3g}"
+    balance = shape.slenderness(side)
+    if peaks and peaks[0] >= balance:
+        got = f"a peak of {peaks[0]:.3g} rad, beyond the block's balance at {balance:.3g}"
         raise SceneError(f"{file}", got, COLUMNS)
     if len(peaks) < 2:
         raise SceneError(f"{file}", f"{len(peaks)} peaks", "a release and a peak on the other side")
     count = min(impacts, len(peaks) - 1)
     kept = peaks[: count + 1]
-    down = [speed_at_impact(peak, shape, gravity, drag) for peak in kept[:-1]]
-    up = [speed_at_impact(peak, shape, gravity, -drag) for peak in kept[1:]]
+    sides = [side * (-1) ** number for number in range(len(kept))]
+    swings = list(zip(kept, sides, strict=True))
+    down = [speed_at_impact(peak, shape, gravity, drag, on) for peak, on in swings[:-1]]
+    up = [speed_at_impact(peak, shape, gravity, -drag, on) for peak, on in swings[1:]]
     ratios = [after / before for before, after in zip(down, up, strict=True)]
     return Target(
         restitution=statistics.geometric_mean(ratios),
@@ -160,14 +166,16 @@ def _of_history(
     )
 
 
-def speed_at_impact(peak: float, shape: Block, gravity: float, drag: float = 0.0) -> float:
+def speed_at_impact(
+    peak: float, shape: Block, gravity: float, drag: float = 0.0, side: int = 0
+) -> float:
     """Speed with which a rigid block that is at rest at a peak (rad) comes to its impact, 1/s.
 
     By theta'' = -p^2 sin(alpha - theta) - drag theta', with the drag, 1/s, of damping that is
     proportional to mass. With a negative drag it is the speed after an impact that leads to the
-    peak: the same swing backwards.
+    peak: the same swing backwards. The side is that of the edge it turns about.
     """
-    alpha, square = shape.slenderness, shape.frequency(gravity) ** 2
+    alpha, square = shape.slenderness(side), shape.frequency(gravity, side) ** 2
     if drag == 0.0:
         return math.sqrt(2 * square * (math.cos(alpha - peak) - math.cos(alpha)))
 

@@ -190,6 +190,10 @@ def tables_of(tables: Mapping[str, Any], cell: Cell, model: str) -> dict[str, An
         if spec.carrier == "foundation":
             block.pop("friction", None)
         if cell.aspect is not None:
+            if not spec.shape.is_even:
+                raise SceneError(
+                    spec.name, "an uneven block", "homogeneous blocks where H/B varies"
+                )
             block["height"] = cell.aspect * block["width"]
             block["mass"] = spec.shape.mass
             block.pop("density", None)

@@ -19,7 +19,7 @@ from solver.rigid.system import RigidSystem
 from solver.run.simulate import simulate
 from solver.scene import Scene
 from solver.study.modes.numbers import BAND, NAMES, as_text, maps_of, points_of
-from solver.study.scenes import Tables, is_elastic, standing_block, variant
+from solver.study.scenes import Tables, is_elastic, refuse_uneven, standing_block, variant
 from solver.study.study import SUMMARY, Row, Study, numbers, words
 from solver.study.tables import as_csv, write
 from solver.types import Array
@@ -74,7 +74,7 @@ class Onset:
             gravity: g, m/s^2.
         """
         # 3/4 g b/R^2 = p^2 sin alpha: theta'' grows by A/A_uplift - 1 times this.
-        turns = self.turn > LEAST * shape.frequency(gravity) ** 2 * np.sin(shape.slenderness)
+        turns = self.turn > LEAST * shape.frequency(gravity) ** 2 * np.sin(shape.slenderness())
         slips = self.slip > LEAST * acceleration * gravity
         return ("slide-rock" if slips else "rock") if turns else ("slide" if slips else "rest")
 
@@ -265,8 +265,9 @@ class ModesStudy(Study[ModesCase]):
         engines = words("--engines", options.engines, ENGINES) if options.engines else []
         ratios = numbers("--ratios", options.ratios) if options.ratios else []
         tables = standing_block(options)
-        self.wanted = cases_of(tables, ratios, options.points, engines)
         scene = variant(tables)
+        refuse_uneven(scene, "in this study, which varies H/B of homogeneous blocks")
+        self.wanted = cases_of(tables, ratios, options.points, engines)
         self.gravity = scene.gravity
         self.settings = {"scene": scene.to_dict(), "points": options.points}
 

@@ -14,6 +14,7 @@ from mpi4py import MPI
 
 import numpy as np
 
+from geometry.block import SIDES, Block
 from solver.excitation.kinds import base_motion
 from solver.excitation.pulses import Pulse
 from solver.reference.housner import housner, housner_restitution
@@ -68,44 +69,60 @@ PULSES = {
 class Upright:
     """A rigid block and its energies upright and over its corner."""
 
-    slenderness: float
-    """alpha, rad."""
+    shape: Block
+    """The block."""
     frequency: float
     """p, 1/s."""
     unit: float
     """g tan alpha, m/s^2, which amplitudes are counted in."""
+    weight: float
+    """N."""
     low: float
     """Potential energy upright, J."""
-    high: float
-    """Potential energy over its corner, J."""
-    restitution: float
-    """e of its impacts."""
+    given: float
+    """Restitution of its impacts that the scene gives; 0: they are without rebound."""
 
     @classmethod
     def of(cls, scene: Scene) -> Self:
-        """The energies of a scene's only block; e is Housner's where it has none of its own."""
+        """The energies of a scene's only block; e is Housner's where it has none of its own.
+
+        Of an uneven block, p and the unit are those of the edge over which it overturns first.
+        """
         block = scene.blocks[0]
         shape, gravity = block.shape, scene.gravity
         weight = shape.weight(gravity)
         return cls(
-            slenderness=shape.slenderness,
+            shape=shape,
             frequency=shape.frequency(gravity),
-            unit=gravity * math.tan(shape.slenderness),
-            low=weight * shape.height / 2,
-            high=weight * shape.half_diagonal,
-            restitution=scene.restitution_of(block) or max(0.0, housner_restitution(shape)),
+            unit=gravity * math.tan(shape.slenderness()),
+            weight=weight,
+            low=weight * shape.centre_height,
+            given=scene.restitution_of(block),
         )
+
+    def slenderness(self, angle: float) -> float:
+        """Alpha on the side to which it leans by an angle, rad."""
+        return self.shape.slenderness(_side(angle))
+
+    def high(self, angle: float) -> float:
+        """Potential energy over the edge on that side, J."""
+        return self.weight * self.shape.radius(_side(angle))
+
+    def restitution(self, angle: float) -> float:
+        """E of the impact that ends a lean by an angle, on the other edge."""
+        return self.given or max(0.0, housner_restitution(self.shape, -_side(angle)))
 
     def stays(self, energy: float, angle: float) -> bool:
         """True if the block leans by less than alpha, without the energy (J) to go beyond."""
-        return energy < self.high and abs(angle) < self.slenderness
+        return energy < min(map(self.high, SIDES)) and abs(angle) < self.slenderness(angle)
 
     def falls(self, energy: float, angle: float, spin: float) -> bool:
         """True if the block leans by more than alpha, and does not come back.
 
         It turns away, or has not the energy (J) to return; angle in rad, spin in rad/s.
         """
-        return abs(angle) > self.slenderness and (angle * spin > 0 or energy < self.high)
+        beyond = abs(angle) > self.slenderness(angle)
+        return beyond and (angle * spin > 0 or energy < self.high(angle))
 
     def margin(self, energy: float, angle: float, spin: float) -> float:
         """Distance of the fate of a block from its opposite, over the energy from upright to alpha.
@@ -115,13 +132,19 @@ class Upright:
         Of a block that fell, what it lacks to return. The arguments are energy (J), angle (rad) and
         angular velocity (rad/s).
         """
-        depth = self.high - self.low
+        high = self.high(angle)
         if self.falls(energy, angle, spin):
-            return 1.0 if angle * spin > 0 else (self.high - energy) / depth
+            return 1.0 if angle * spin > 0 else (high - energy) / (high - self.low)
         above = energy - self.low
         if angle * spin < 0:
-            above *= self.restitution**2
-        return above / depth - 1
+            above *= self.restitution(angle) ** 2
+            high = self.high(-angle)
+        return above / (high - self.low) - 1
+
+
+def _side(angle: float) -> int:
+    """The side to which a block leans."""
+    return -1 if angle < 0 else 1
 
 
 # ---------------------------------------------------------------- a rigid block
@@ -173,7 +196,7 @@ class RigidUnderPulses:
         self._system.restore(copy.deepcopy(self._start))
         scale = amplitude * self._upright.unit
         ground, mean = scale * self._ground, scale * self._mean
-        swings, margin = _Swings(self._upright.slenderness), 0.0
+        swings, margin = _Swings(self._upright.shape.slenderness()), 0.0
         last = self._shaken + math.ceil(RIGID_LATEST / (self._upright.frequency * self._step))
         first = 0
         while first < last:
@@ -244,12 +267,13 @@ class HousnerUnderPulses:
             end=pulse.stop + ODE_LATEST / p,
             step=pulse.stop / ODE_STEPS,
             acceleration=pulse.acceleration,
-            restitution=self._upright.restitution,
+            restitution=self._upright.given or None,
         )
         after = int(np.searchsorted(found.time, pulse.stop))
         angle, spin = float(found.angle[after]), float(found.angular_velocity[after])
-        swing = np.cos(self._upright.slenderness - abs(angle)) * self._upright.high
-        inertia = block.shape.rotary_inertia_about_corner
+        lean = self._upright.slenderness(angle) - abs(angle)
+        swing = math.cos(lean) * self._upright.high(angle)
+        inertia = block.shape.rotary_inertia_about_corner(_side(angle))
         margin = self._upright.margin(inertia * spin**2 / 2 + swing, angle, spin)
         overturns = found.overturned
         size = abs(margin) or 1.0

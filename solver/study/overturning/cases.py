@@ -14,6 +14,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from geometry.block import SIDES
 from solver.errors import SceneError, Statement
 from solver.reference.housner import housner_restitution
 from solver.scene import Scene
@@ -259,8 +260,9 @@ class OverturningStudy(Study[OverturningCase]):
         block = scene.blocks[0]
         parts = [f"H/B = {block.height / block.width:g}"]
         if len(self.restitutions) == 1 or restitution is not None:
-            housners = max(0.0, housner_restitution(block.shape))
-            parts.append(f"e = {restitution or housners:.4g}")
+            own = [max(0.0, housner_restitution(block.shape, side)) for side in SIDES]
+            given = [restitution] if restitution else dict.fromkeys(own)
+            parts.append(f"e = {' and '.join(f'{each:.4g}' for each in given)}")
             if restitution is None:
                 parts[-1] += " (Housner's)"
         mu = scene.friction_of(block).dynamic
