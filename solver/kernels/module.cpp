@@ -89,6 +89,10 @@ template <int d> void write_links(const World<d>& world, double* out) {
     }
 }
 
+template <int d> void write_parts(const World<d>& world, double* out) {
+    for (const Vec<d>& impulse : world.part_received) write(out, impulse);
+}
+
 template <int d> void write_state(World<d>& world, double* of_bodies, double* of_step) {
     for (std::size_t b = 0; b < world.bodies.size(); b++) {
         const Body<d>& body = world.bodies[b];
@@ -125,7 +129,7 @@ template <int d> void write_pairs(const World<d>& world, std::vector<double>& ou
 }
 
 template <int d> int run(World<d>& world, int steps, double dt, double smallest, const double* ground, const double* shift,
-                         const double* forces, double* of_bodies, double* of_steps, double* of_links, std::vector<double>& of_pairs) {
+                         const double* forces, double* of_bodies, double* of_steps, double* of_links, double* of_parts, std::vector<double>& of_pairs) {
     of_pairs.clear();
     for (int i = 0; i < steps; i++) {
         GroundMotion<d> motion;
@@ -144,6 +148,7 @@ template <int d> int run(World<d>& world, int steps, double dt, double smallest,
         const auto row = static_cast<std::size_t>(i);
         write_state(world, of_bodies + STATE<d> * world.bodies.size() * row, of_steps + TOTALS<d> * row);
         write_links(world, of_links + LINK<d> * world.links.size() * row);
+        write_parts(world, of_parts + d * world.part_received.size() * row);
         if (world.tells_pairs) write_pairs(world, of_pairs, i, dt);
     }
     return steps;
@@ -257,9 +262,9 @@ void world_begin(void* handle, const int* law_of, const int* carriers, const int
 
 /// `forces` has the forces at the ends of the steps, (steps + 1, forces, d).
 int world_run(void* handle, int steps, double dt, double smallest, const double* ground, const double* shift, const double* forces,
-              double* of_bodies, double* of_steps, double* of_links) {
+              double* of_bodies, double* of_steps, double* of_links, double* of_parts) {
     std::vector<double>& of_pairs = static_cast<Handle*>(handle)->pairs;
-    return with(handle, [&](auto& world) { return run(world, steps, dt, smallest, ground, shift, forces, of_bodies, of_steps, of_links, of_pairs); });
+    return with(handle, [&](auto& world) { return run(world, steps, dt, smallest, ground, shift, forces, of_bodies, of_steps, of_links, of_parts, of_pairs); });
 }
 
 /// From here on what pairs of bodies do to one another is told.
@@ -274,10 +279,11 @@ long world_pairs(void* handle, double* out) {
     return static_cast<long>(pairs.size());
 }
 
-void world_state(void* handle, double* of_bodies, double* of_step, double* of_links) {
+void world_state(void* handle, double* of_bodies, double* of_step, double* of_links, double* of_parts) {
     with(handle, [&](auto& world) {
         write_state(world, of_bodies, of_step);
         write_links(world, of_links);
+        write_parts(world, of_parts);
     });
 }
 

@@ -99,6 +99,7 @@ template <int d> class World {
     std::vector<Collision<d>> collisions;
     std::vector<Vec<d>> slip;             // of each body over what carries it, m, (n,); the last is unused
     std::vector<Vec<d>> received;         // impulses of a step on each body from what it stands on, N s
+    std::vector<Vec<d>> part_received;    // of a step on the parts of all bodies that have several, one body after another, N s
     std::vector<double> penetration;      // of each body in any but what it carries, m
     Overlap deepest;                      // of two bodies at the start of any step so far
     bool tells_pairs = false;
@@ -115,6 +116,8 @@ template <int d> class World {
             for (int i : body.parts)
                 for (int j : body.parts)
                     if (i != j) mark_inner(shapes[i], shapes[j], COVERED * body.radius);
+            first_part_.push_back(body.parts.size() > 1 ? static_cast<int>(part_received.size()) : -1);
+            if (body.parts.size() > 1) part_received.resize(part_received.size() + body.parts.size());
         }
         double sum = 0;
         std::size_t free = 0;
@@ -155,6 +158,7 @@ template <int d> class World {
     /// One step; false where no step, however short, was solved.
     bool step(double dt, double smallest, const GroundMotion<d>& ground) {
         for (Vec<d>& each : received) each.fill(0);
+        for (Vec<d>& each : part_received) each.fill(0);
         for (PairTold<d>& pair : told) {
             pair.points = 0;
             pair.impulse.fill(0);
@@ -1135,6 +1139,8 @@ template <int d> class World {
         Vec<d> force{};
         for (int i = 0; i < d; i++) force += k.total[i] * axis(k, i);
         if (tells_pairs) tell(A, k, force);
+        if (first_part_[a] >= 0) part_received[first_part_[a] + k.feature.point_part] += force;
+        if (first_part_[b] >= 0) part_received[first_part_[b] + k.feature.face_part] += -1.0 * force;
         const double up = axis(k, 0)[d - 1];
         if (bears(b, a, up)) received[a] += force;
         if (bears(a, b, -up)) received[b] += -1.0 * force;
@@ -1909,6 +1915,7 @@ template <int d> class World {
     std::deque<Attempt> attempts_;
     std::vector<int> moving_, fixed_, root_, local_, island_of_;
     std::vector<std::vector<int>> forces_on_;  // of each body
+    std::vector<int> first_part_;  // of each body among those of all; -1: it has one
     std::vector<char> is_member_;
     std::vector<double> wide_;
     std::vector<Way> ways_;

@@ -199,9 +199,14 @@ class Steps:
     """Steps halved since the start."""
     links: Array
     """Numbers of the links (`LinkStates.split`), (steps, links, 3 d + 3)."""
+    parts: Array
+    """Impulses of contacts in the step on the parts of bodies that have several, one body after
+    another, N s, (steps, parts, d)."""
 
     @classmethod
-    def split(cls, d: int, of_bodies: Array, of_steps: Array, of_links: Array) -> Steps:
+    def split(
+        cls, d: int, of_bodies: Array, of_steps: Array, of_links: Array, of_parts: Array
+    ) -> Steps:
         """The fields, by the numbers as the library writes them."""
         centre, rotation, velocity, spin, turned, slip, impulse, last = _parted(
             of_bodies, _body_widths(d)
@@ -223,6 +228,7 @@ class Steps:
             iterations=counts[:, 1],
             halved=counts[:, 2],
             links=of_links,
+            parts=of_parts,
         )
 
     def followed_by(self, later: Steps) -> Steps:
@@ -302,7 +308,7 @@ class World:
             velocity_level: True if contact is also solved at velocity level after each step.
         """
         self._library, self._count, self._d = library(), 0, dimension
-        self._links = self._forces = 0
+        self._links = self._forces = self._parts = 0
         new = self._library.world_new
         new.restype = ctypes.c_void_p
         self._library.world_save.restype = ctypes.c_long
@@ -355,6 +361,7 @@ class World:
             np.broadcast_to(body.spin, turns),
         ]
         mobility, shapes = int(body.mobility), np.atleast_1d(body.shape)
+        self._parts += len(shapes) if len(shapes) > 1 else 0
         self._library.world_body(
             self._handle, _integers(shapes), len(shapes), mobility, _numbers(np.concatenate(parts))
         )
@@ -422,7 +429,7 @@ class World:
             shift: By how much the mean over each step exceeds that of its ends, (count, d), m/s2.
             forces: Applied forces at the ends of the steps, (count + 1, forces, d), N; None: 0.
         """
-        of_bodies, of_steps, of_links = self._room(count)
+        rooms = self._room(count)
         if forces is None:
             forces = np.zeros((count + 1, self._forces, self._d))
         done = self._library.world_run(
@@ -433,11 +440,9 @@ class World:
             _numbers(ground),
             _numbers(shift),
             _numbers(forces),
-            _place(of_bodies),
-            _place(of_steps),
-            _place(of_links),
+            *map(_place, rooms),
         )
-        return Steps.split(self._d, of_bodies[:done], of_steps[:done], of_links[:done])
+        return Steps.split(self._d, *(each[:done] for each in rooms))
 
     def now(self) -> Steps:
         """The state at the moment, as that of one step."""
@@ -445,13 +450,14 @@ class World:
         self._library.world_state(self._handle, *map(_place, rooms))
         return Steps.split(self._d, *rooms)
 
-    def _room(self, count: int) -> tuple[Array, Array, Array]:
-        """Room for what the library writes of bodies, steps and links."""
+    def _room(self, count: int) -> tuple[Array, Array, Array, Array]:
+        """Room for what the library writes of bodies, steps, links and parts."""
         of_bodies, of_step = sum(_body_widths(self._d)), sum(_step_widths(self._d))
         return (
             np.empty((count, self._count, of_bodies)),
             np.empty((count, of_step)),
             np.empty((count, self._links, 3 * self._d + 3)),
+            np.empty((count, self._parts, self._d)),
         )
 
     def collisions(self) -> list[Collision]:

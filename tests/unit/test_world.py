@@ -219,3 +219,23 @@ def test_a_force_at_a_point_turns_with_it_and_its_work_is_booked() -> None:
     assert found.velocity[-1, 0] == pytest.approx([0.3 * 100 / 2 / 10, 1.0])
     assert np.ptp(ledger(found)) < 1e-10
     assert np.abs(found.turned).max() > 1.0
+
+
+def test_each_part_tells_what_presses_on_it() -> None:
+    world = World(2, (0.0, -9.81), SCHEME, True)
+    # A beam on two feet, of which the right one carries more: the centre is nearer to it.
+    beam = rectangle(-0.5, 0.5, 0.1, 0.3), rectangle(-0.5, -0.4, 0.0, 0.1)
+    shapes = [
+        world.polygon(np.array(part) - [0.2, 0.15])
+        for part in (*beam, rectangle(0.4, 0.5, 0.0, 0.1))
+    ]
+    world.add(Body(shape=shapes, mass=100.0, inertia=10.0, centre=(0.2, 0.15)))
+    world.add(Body(shape=world.half_space(), mobility=Mobility.FIXED))
+    world.begin([PLASTIC], np.zeros((2, 2)), [[1], []])
+    steps = world.run(10, 1e-3, 1e-7, np.zeros((11, 2)), np.zeros((10, 2)))
+    forces = steps.parts[-1] / 1e-3
+    assert np.all(forces[0] == 0)
+    assert forces[1:, 1].sum() == pytest.approx(981.0, rel=1e-10)
+    # Each foot presses with two corners: forces by statics up to where on the foot they act.
+    arm = (forces[2, 1] - forces[1, 1]) / forces[1:, 1].sum() * 0.45
+    assert arm == pytest.approx(0.2, abs=0.05)
