@@ -1,0 +1,170 @@
+"""Shapes of blocks that are no boxes: `shape = { ... }` of a block."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+
+from solver.errors import SceneError, Statement, missing_key, not_applicable
+from solver.scene.checking import OPEN, Checked, is_open, shown
+from solver.scene.quantities import Density, Dimension, Length, Number, Place, Position
+
+if TYPE_CHECKING:
+    from geometry.solid import Solid
+
+Point: TypeAlias = tuple[Place, Place]
+
+KINDS = ("polygon", "regular", "profile", "cylinder", "file", "union")
+"""The keys of which a shape has one."""
+
+DEFAULT_SIDES = 48
+"""Facets of a round shape, which lie within the circle by 0.2 % of its radius."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ShapeSpec(Checked):
+    """The shape of a block, or of one part of it."""
+
+    polygon: tuple[Point, ...] = ()
+    """Corners `[x, y]` of its section in the plane of motion, y upwards, m, in their order; in 3-D
+    a prism along y. Need not be convex. Default: -."""
+    regular: Annotated[int, Number(at_least=3, at_most=1000)] | None = None
+    """Number of the corners of a regular polygon on one of its sides; `width` is twice the radius
+    of the circle through them. In 3-D a prism along y: a drum that rolls along x. Default: -."""
+    profile: tuple[Point, ...] = ()
+    """Half the outline of a body of revolution about the vertical axis, corners `[r, z]`, m, from
+    the axis to the axis; 3-D only. Default: -."""
+    cylinder: Length | None = None
+    """Diameter of an upright cylinder, as high as `height`, m; 3-D only. Default: -."""
+    sides: Annotated[int, Number(at_least=3, at_most=1000)] = OPEN
+    """Facets for which a `profile` or `cylinder` stands; corners lie on its circle. Default: 48."""
+    file: Path | None = None
+    """A closed surface: .stl, .obj, .ply, or the outside of a mesh, .msh, .vtu; relative to the
+    scene's file; 3-D only. Contacts see its convex hull, or convex parts where CoACD is installed;
+    mass, centre and inertia are those of the surface itself. Default: -."""
+    scale: Annotated[float, Number(above=0, powers=(0.0, 1.0))] = OPEN
+    """Length of a unit of the file, m. Default: 1."""
+    union: tuple[ShapeSpec, ...] = ()
+    """Parts that touch one another, and do not overlap, each a table like this one. Default: -."""
+    at: Position | None = None
+    """Of a part: where the origin of its coordinates is; that of `regular` and `cylinder` is the
+    middle of the bottom. Default: 0 in every direction."""
+    width: Length | None = None
+    """Of a part that is `regular`: twice its radius, m. Default: -."""
+    height: Length | None = None
+    """Of a part that is a `cylinder`, m. Default: -."""
+    thickness: Length | None = None
+    """Of a part that is a prism, in 3-D, along y, m. Default: that of the block."""
+    density: Density | None = None
+    """Of a part, kg/m³. Default: that of the block."""
+
+    def resolved(self) -> Iterator[tuple[str, Any]]:
+        """Numbers of facets, and units of files."""
+        if is_open(self.sides) and (self.profile or self.cylinder is not None):
+            yield "sides", DEFAULT_SIDES
+        if is_open(self.scale) and self.file is not None:
+            yield "scale", 1.0
+
+    def check(self) -> None:
+        """Refuse what is no shape, or several."""
+        given = [kind for kind in KINDS if getattr(self, kind) not in (None, ())]
+        if not given:
+            raise missing_key(KINDS[0], f"(exactly one of {', '.join(KINDS)})")
+        if len(given) > 1:
+            raise SceneError(given[1], f"it beside {given[0]}", f"exactly one of {', '.join(KINDS)}")
+        if self.sides is not None and not (self.profile or self.cylinder is not None):
+            raise not_applicable("sides", "a profile or a cylinder only")
+        if self.scale is not None and self.file is None:
+            raise not_applicable("scale", "a file only")
+        for part in self.union:
+            if part.union:
+                raise not_applicable("union", "the shape of a block, not a part of one")
+
+    @property
+    def kind(self) -> str:
+        """The key that says what it is."""
+        return next(kind for kind in KINDS if getattr(self, kind) not in (None, ()))
+
+    def refuse_keys_of_parts(self) -> None:
+        """Refuse what only a part of a union has; the block itself has these keys."""
+        for key in ("at", "width", "height", "thickness", "density"):
+            if getattr(self, key) is not None:
+                raise not_applicable(f"shape.{key}", "a part of a union only")
+
+    def in_dimension(self, dimension: Dimension) -> None:
+        """Refuse shapes that there are not in a dimension."""
+        for key in ("profile", "cylinder", "file"):
+            if dimension == 2 and getattr(self, key) not in (None, ()):
+                other = {"cylinder": " (a disc: regular = 100)"}.get(key, "")
+                raise not_applicable(f"shape.{key}", f"3-D scenes only{other}")
+        if self.at is not None and len(self.at) != dimension:
+            allowed = f"{dimension} values, each a finite number, where dimension = {dimension}"
+            raise SceneError("shape.at", shown(self.at), allowed)
+        for part in self.union:
+            part.in_dimension(dimension)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sizes:
+    """What the keys of a block say of its shape beside the shape itself, m and kg/m3."""
+
+    width: float | None
+    height: float | None
+    thickness: float
+    density: float
+
+
+def own_keys(shape: ShapeSpec) -> tuple[str, ...]:
+    """The keys of a block that its shape needs; other lengths follow from it."""
+    return {"regular": ("width",), "cylinder": ("height",)}.get(shape.kind, ())
+
+
+@lru_cache(maxsize=256)
+def solid_of(shape: ShapeSpec, sizes: Sizes, dimension: Dimension) -> Solid:
+    """The shape as a body in the own frame of its block.
+
+    Raises:
+        SceneError: The key, and what is wrong with it.
+    """
+    return _part(shape, sizes, dimension, "shape").standing()
+
+
+def _part(shape: ShapeSpec, sizes: Sizes, dimension: Dimension, where: str) -> Solid:
+    """A shape in the frame in which its numbers are given."""
+    from geometry import solid as solids  # numpy and more: scenes of boxes do without
+
+    density, kind = shape.density or sizes.density, shape.kind
+    thickness = shape.thickness or sizes.thickness
+    try:
+        if kind == "union":
+            members = []
+            for number, part in enumerate(shape.union, start=1):
+                name = f"{where}.union.{number}"
+                for key in own_keys(part):
+                    if getattr(part, key) is None:
+                        raise missing_key(f"{name}.{key}", f"({key} > 0, m)")
+                made = _part(part, replace(sizes, width=None, height=None), dimension, name)
+                members.append(made.moved(part.at or (0.0,) * dimension))
+            return solids.union(members)
+        if kind == "polygon":
+            flat = solids.polygon(shape.polygon, density, thickness)
+            return flat if dimension == 2 else solids.prism(flat, thickness)
+        if kind == "regular":
+            assert shape.regular is not None
+            width = shape.width or sizes.width or 0.0
+            flat = solids.regular(shape.regular, width, density, thickness)
+            return flat if dimension == 2 else solids.prism(flat, thickness)
+        if kind == "profile":
+            return solids.turned(shape.profile, shape.sides, density)
+        if kind == "cylinder":
+            assert shape.cylinder is not None
+            height = shape.height or sizes.height or 0.0
+            return solids.cylinder(shape.cylinder, height, shape.sides, density)
+        assert shape.file is not None
+        return solids.of_surface(solids.read_surface(shape.file, shape.scale), density)
+    except ValueError as error:
+        said = str(error).removeprefix(f"{kind}: ").removeprefix("union: ")
+        raise Statement(f"{where}.{kind}:", said) from None
