@@ -71,10 +71,11 @@ class ShapeSpec(Checked):
     def check(self) -> None:
         """Refuse what is no shape, or several."""
         given = [kind for kind in KINDS if getattr(self, kind) not in (None, ())]
+        allowed = f"exactly one of {', '.join(KINDS)}"
         if not given:
-            raise missing_key(KINDS[0], f"(exactly one of {', '.join(KINDS)})")
+            raise missing_key(KINDS[0], f"({allowed})")
         if len(given) > 1:
-            raise SceneError(given[1], f"it beside {given[0]}", f"exactly one of {', '.join(KINDS)}")
+XX
         if self.sides is not None and not (self.profile or self.cylinder is not None):
             raise not_applicable("sides", "a profile or a cylinder only")
         if self.scale is not None and self.file is None:
