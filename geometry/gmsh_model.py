@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import pairwise
@@ -104,6 +104,48 @@ def box(x: Array, y: Array, z: Array, tag: CellTag, *, tetrahedra: bool) -> None
     gmsh.model.mesh.generate(3)
     if tetrahedra:
         split_into_simplices([x, y, z])
+
+
+def convex(
+    corners: Array, faces: Sequence[Sequence[int]], tags: Sequence[int], tag: CellTag, size: float
+) -> None:
+    """Mesh a convex polygon or polyhedron by simplices in the current Gmsh model, tags included.
+
+    Args:
+        corners: (n, d), m.
+        faces: Corners around each face, anticlockwise from outside; of a polygon its sides.
+        tags: One for each face.
+        tag: Of the cells.
+        size: Length of the edges of the cells, m.
+    """
+    geo, d = gmsh.model.geo, corners.shape[1]
+    places = np.pad(corners, ((0, 0), (0, 3 - d)))
+    points = [geo.addPoint(*place, size) for place in places]
+    lines: dict[tuple[int, int], int] = {}
+
+    def line(a: int, b: int) -> int:
+        """The line from one corner to another; negative where it is there the other way round."""
+        if (b, a) in lines:
+            return -lines[b, a]
+        return lines.setdefault((a, b), geo.addLine(points[a], points[b]))
+
+    rings = [[line(a, b) for a, b in _around(face)] for face in faces]
+    if d == 2:
+        sides = [[ring[0]] for ring in rings]
+        body = geo.addPlaneSurface([geo.addCurveLoop([side[0] for side in sides])])
+    else:
+        sides = [[geo.addPlaneSurface([geo.addCurveLoop(ring)])] for ring in rings]
+        body = geo.addVolume([geo.addSurfaceLoop([side[0] for side in sides])])
+    geo.synchronize()
+    gmsh.model.addPhysicalGroup(d, [body], tag)
+    for number, side in zip(tags, sides, strict=True):
+        gmsh.model.addPhysicalGroup(d - 1, [abs(side[0])], number)
+    gmsh.model.mesh.generate(d)
+
+
+def _around(face: Sequence[int]) -> Iterator[tuple[int, int]]:
+    """The pairs of corners that follow one another around a face; of a side its two ends."""
+    return pairwise(face if len(face) == 2 else [*face, face[0]])
 
 
 def _gridded_surface(

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from mpi4py import MPI
 
 from dolfinx.mesh import Mesh
 
 from geometry.arrangement import Placement
 from geometry.block import Block
+from geometry.convex import Convex
 from geometry.foundation import Plate
-from geometry.gmsh_model import CELLS, MeshedBody, box, make, rectangle
+from geometry.gmsh_model import CELLS, MeshedBody, box, convex, make, rectangle
 from geometry.grading import centred, graded, graded_to_both_ends
 from geometry.tags import CellTag
 from solver.types import Array
@@ -51,6 +54,24 @@ def block_mesh(
     ]
     up = shape.height * graded(cells[-1], refinement)
     return _tensor_mesh("block", [*across, up], cell, CellTag.BLOCK, comm)
+
+
+def shape_mesh(
+    part: Convex, tags: Sequence[int], size: float, comm: MPI.Intracomm = MPI.COMM_WORLD
+) -> MeshedBody:
+    """Mesh a convex body in its own frame by triangles or tetrahedra; collective.
+
+    Args:
+        part: The body.
+        tags: Of its faces.
+        size: Length of the edges of the cells, m.
+        comm: The ranks that share the mesh.
+    """
+
+    def build() -> None:
+        convex(part.corners, part.faces, tags, CellTag.BLOCK, size)
+
+    return make("shape", build, part.dimension, comm)
 
 
 def plate_mesh(

@@ -75,7 +75,7 @@ class ShapeSpec(Checked):
         if not given:
             raise missing_key(KINDS[0], f"({allowed})")
         if len(given) > 1:
-XX
+            raise SceneError(given[1], f"it beside {given[0]}", allowed)
         if self.sides is not None and not (self.profile or self.cylinder is not None):
             raise not_applicable("sides", "a profile or a cylinder only")
         if self.scale is not None and self.file is None:
