@@ -45,15 +45,6 @@ class Pose:
         )
 
 
-def pivot(shape: Block, tilt: float) -> tuple[float, float]:
-    """The bottom corner about which `tilt` (rad) turns the block, in the block's own frame, m.
-
-    The right one for tilt > 0 (clockwise, leaning towards +x), the left one for tilt < 0, the
-    middle of the bottom for 0, where it makes no difference.
-    """
-    return float(np.sign(tilt)) * shape.width / 2, 0.0
-
-
 def initial_position(shape: Block, offset: float, tilt: float) -> Pose:
     """The map from the block's own frame to where it stands on the surface y = 0, (n, 2) -> (n, 2).
 
@@ -62,27 +53,15 @@ def initial_position(shape: Block, offset: float, tilt: float) -> Pose:
     < pi/2, so that this corner stays the lowest point and touches y = 0.
     """
     _refuse_lying(tilt)
-    corner = np.array(pivot(shape, tilt))
+    corner = np.array(shape.pivot([float(np.sign(tilt))]))
     place = corner + np.array([offset, 0.0])
-    return Pose(rotation=rotation_in_plane(tilt), about=corner, place=place)
+    return _raised(shape, Pose(rotation=rotation_in_plane(tilt), about=corner, place=place))
 
 
 def rotation_in_plane(tilt: float) -> Array:
     """Rotation matrix (2, 2) of a tilt, rad, positive clockwise: towards +x."""
     c, s = math.cos(tilt), math.sin(tilt)
     return np.array([[c, s], [-s, c]])
-
-
-def pivot_in_space(shape: Block, tilt: float, azimuth: float) -> tuple[float, float, float]:
-    """The bottom point that stays at its place when a block in space leans, own frame, m.
-
-    The corner on the side that it leans to; the middle of an edge, or of the bottom, where it leans
-    straight over that edge or not at all. For tilt > 0 it leans towards the azimuth, rad, from +x
-    towards +y.
-    """
-    towards = np.array([math.cos(azimuth), math.sin(azimuth)])
-    sides = np.sign(tilt) * np.sign(np.where(np.abs(towards) < 1e-12, 0.0, towards))
-    return float(sides[0]) * shape.width / 2, float(sides[1]) * shape.thickness / 2, 0.0
 
 
 def initial_position_in_space(
@@ -92,12 +71,26 @@ def initial_position_in_space(
 
     The own frame has its origin at the bottom centre; `offset` is that of this point along x and y
     before the tilt, m. The block leans towards the azimuth (rad, from +x towards +y; 0 is a
-    rotation about +y) and stands on the edge or corner on that side, |tilt| < pi/2.
+    rotation about +y) and stands on the edge or corner on that side, |tilt| < pi/2. Where it leans
+    straight over an edge, or not at all, the middle of this stays at its place.
     """
     _refuse_lying(tilt)
-    corner = np.array(pivot_in_space(shape, tilt, azimuth))
+    towards = np.array([math.cos(azimuth), math.sin(azimuth)])
+    towards = np.sign(tilt) * np.where(np.abs(towards) < 1e-12, 0.0, towards)
+    corner = np.array(shape.pivot([float(part) for part in towards]))
     place = corner + np.array([*offset, 0.0])
-    return Pose(rotation=rotation_in_space(tilt, azimuth), about=corner, place=place)
+    pose = Pose(rotation=rotation_in_space(tilt, azimuth), about=corner, place=place)
+    return _raised(shape, pose)
+
+
+def _raised(shape: Block, pose: Pose) -> Pose:
+    """A pose with no point below level 0: what is no box may reach below the corner it leans on."""
+    if shape.solid is None:
+        return pose
+    lowest = float(pose(shape.solid.corners)[:, -1].min())
+    up = np.zeros(len(pose.place))
+    up[-1] = max(-lowest, 0.0)
+    return Pose(rotation=pose.rotation, about=pose.about, place=pose.place + up)
 
 
 def rotation_in_space(tilt: float, azimuth: float) -> Array:

@@ -1,14 +1,18 @@
-"""The rectangular block and the numbers that rigid-body rocking is written in."""
+"""Blocks: boxes and other shapes, and the numbers that rigid-body rocking is written in."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from geometry.density import Tensor, Vector, linear_tensor
 
-FACES = (
+if TYPE_CHECKING:
+    from geometry.solid import Solid
+
+FACES: tuple[tuple[int, ...], ...] = (
     *((3, 2, 1, 0), (4, 5, 6, 7)),
     *((0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)),
 )
@@ -21,7 +25,9 @@ SIDES = (1, -1)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Block:
-    """A rectangular block, B x H x t, even or not in its mass; symbols after Housner (1963).
+    """A block, B x H x t, even or not in its mass; symbols after Housner (1963).
+
+    It is a box, or a solid for which the box stands that is around it.
 
     Where the centre of mass is off the middle, the two edges of the bottom differ: what is asked of
     a `side` is about the edge on that side, 1 towards +x and -1 towards -x, on which the block
@@ -41,6 +47,10 @@ class Block:
     inertia: Tensor | None = None
     """Inertia tensor about the centre of mass, kg m^2, about x, y and z; None: that of a density
     which varies linearly, or not at all where the centre of mass is in the middle."""
+    base: tuple[float, float] | None = None
+    """Ends of the bottom along x, from its middle, m; None: it is as wide as the block."""
+    solid: Solid | None = None
+    """Its shape in its own frame where it is no box; centre, inertia and base are given, too."""
 
     def __post_init__(self) -> None:
         """Refuse what is no block."""
@@ -56,12 +66,16 @@ class Block:
 
     @property
     def volume(self) -> float:
-        """Volume V = B H t, m^3."""
+        """Volume V, m^3: B H t of a box."""
+        if self.solid is not None:
+            return self.solid.volume
         return self.width * self.height * self.thickness
 
     @property
     def mass(self) -> float:
-        """Mass m = rho B H t, kg."""
+        """Mass m = rho V, kg."""
+        if self.solid is not None:
+            return self.density * self.solid.volume
         return self.density * self.width * self.height * self.thickness
 
     @property
@@ -75,7 +89,9 @@ class Block:
         return (x, z) if dimension == 2 else (x, y, z)
 
     def middle(self, dimension: int = 2) -> tuple[float, ...]:
-        """The middle of the block in its own frame, m: its centre of mass where it is even."""
+        """The middle of the box in its own frame, m: its centre of mass where it is even."""
+        if self.solid is not None:
+            return tuple(map(float, (self.solid.low + self.solid.high) / 2))
         return (*[0.0] * (dimension - 1), self.height / 2)
 
     @property
@@ -86,12 +102,16 @@ class Block:
     def arm(self, side: int = 0) -> float:
         """Distance b of the centre of mass from the edge on a side, along x, m."""
         side = side or self.first_side
-        return self.width / 2 if self.centre is None else self.width / 2 - side * self.centre[0]
+        edge = self.width / 2 if self.base is None else side * self.base[(side + 1) // 2]
+        return edge if self.centre is None else edge - side * self.centre[0]
 
     @property
     def first_side(self) -> int:
         """The side of the edge that is nearer to the centre of mass: there it overturns first."""
-        return -1 if self.centre is not None and self.centre[0] < 0 else 1
+        if self.centre is None:
+            return 1
+        low, high = self.base or (-self.width / 2, self.width / 2)
+        return -1 if self.centre[0] < (low + high) / 2 else 1
 
     def radius(self, side: int = 0) -> float:
         """Radius R = sqrt(b^2 + h^2), m, from the edge to the centre of mass."""
@@ -147,13 +167,59 @@ class Block:
         """Its corners in its own frame (origin at the bottom centre), m.
 
         In the plane counterclockwise from the bottom left one; in space those of the bottom, then
-        those of the top, both in that order seen from above.
+        those of the top, both in that order seen from above. Of a solid those of all its parts.
         """
+        if self.solid is not None:
+            return tuple(tuple(map(float, corner)) for corner in self.solid.corners)
         b, t = self.width / 2, self.thickness / 2
         if dimension == 2:
             return (-b, 0.0), (b, 0.0), (b, self.height), (-b, self.height)
         ring = (-b, -t), (b, -t), (b, t), (-b, t)
         return tuple((x, y, z) for z in (0.0, self.height) for x, y in ring)
+
+    def loops(self) -> list[tuple[int, ...]] | None:
+        """Numbers of the corners around the faces of a solid, in the plane around its parts.
+
+        None for a box.
+        """
+        if self.solid is None:
+            return None
+        found, first = list[tuple[int, ...]](), 0
+        for part in self.solid.parts:
+            count = len(part.corners)
+            faces = part.faces if part.dimension == 3 else (tuple(range(count)),)
+            found += [tuple(first + k for k in face) for face in faces]
+            first += count
+        return found
+
+    def bottom_corners(self, dimension: int = 2) -> tuple[tuple[float, ...], ...]:
+        """The two, in space four, corners of the bottom farthest out, as `corners` orders them, m.
+
+        In space of a bottom that is no rectangle those farthest along both diagonals.
+        """
+        if self.solid is None:
+            return self.corners(dimension)[: 2 ** (dimension - 1)]
+        bottom = [tuple(map(float, corner)) for corner in self.solid.bottom]
+        if dimension == 2:
+            return min(bottom), max(bottom)
+        outwards = (-1, -1), (1, -1), (1, 1), (-1, 1)
+        return tuple(max(bottom, key=lambda c: x * c[0] + y * c[1]) for x, y in outwards)
+
+    def pivot(self, direction: Sequence[float]) -> tuple[float, ...]:
+        """The point of the bottom that stays where it is as the block leans in a direction, m.
+
+        The corner farthest that way, or the middle of those that are equally far.
+
+        Args:
+            direction: Horizontal, (1,) in the plane, (2,) in space.
+        """
+        d = len(direction) + 1
+        corners = self.corners(d) if self.solid is None else self.solid.bottom
+        level = [c for c in corners if c[-1] <= 0.0] if self.solid is None else list(corners)
+        reach = [_dot(direction, corner[:-1]) for corner in level]
+        far = max(reach) - 1e-9 * self.half_diagonal
+        ends = [corner for corner, each in zip(level, reach, strict=True) if each >= far]
+        return tuple(float(sum(c[i] for c in ends)) / len(ends) for i in range(d))
 
     def rotary_inertia_about_corner(self, side: int = 0) -> float:
         """Rotary inertia I_O = I + m R^2, kg m^2, about a bottom edge; 4/3 m R^2 where even."""
@@ -200,7 +266,12 @@ class Block:
         As wide as its bottom is along that direction; x points there.
         """
         x, y = (float(part) for part in direction)
-        width = abs(x) * self.width + abs(y) * self.thickness
+        width, base = abs(x) * self.width + abs(y) * self.thickness, self.base
+        thickness = self.width * self.thickness / width
+        if self.solid is not None:
+            width = _extent([x * c[0] + y * c[1] for c in self.solid.corners])
+            along = [x * c[0] + y * c[1] for c in self.solid.bottom]
+            base, thickness = (min(along), max(along)), self.volume / (width * self.height)
         centre, inertia = self.centre, None
         if centre is not None:
             centre = x * centre[0] + y * centre[1], x * centre[1] - y * centre[0], centre[2]
@@ -209,10 +280,11 @@ class Block:
         return Block(
             width=width,
             height=self.height,
-            thickness=self.width * self.thickness / width,
+            thickness=thickness,
             density=self.density,
             centre=centre,
             inertia=inertia,
+            base=base,
         )
 
     def weight(self, gravity: float) -> float:
@@ -228,6 +300,11 @@ def turned(tensor: Tensor, x: float, y: float) -> Tensor:
         (_dot(axis, images[0]), _dot(axis, images[1]), _dot(axis, images[2])) for axis in axes
     )
     return first, second, third
+
+
+def _extent(values: Sequence[float]) -> float:
+    """The largest less the least."""
+    return float(max(values) - min(values))
 
 
 def _dot(one: Sequence[float], other: Sequence[float]) -> float:

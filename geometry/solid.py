@@ -36,6 +36,7 @@ __all__ = [
     "Solid",
     "Surface",
     "chord_error",
+    "common_depth",
     "cylinder",
     "hull",
     "of_surface",
@@ -505,6 +506,20 @@ def _refuse_overlap(first: Solid, second: Solid) -> None:
                     f"union: got solids that overlap by {2 * radius:.3g} m at {told(place)},"
                     " allowed ones that touch or are apart"
                 )
+
+
+def common_depth(first: Sequence[Convex], second: Sequence[Convex]) -> float:
+    """Diameter of the largest ball in a part of both of two bodies, m; 0 if there is none."""
+    depth = 0.0
+    for one in first:
+        for other in second:
+            low = np.maximum(one.corners.min(axis=0), other.corners.min(axis=0))
+            high = np.minimum(one.corners.max(axis=0), other.corners.max(axis=0))
+            size = size_of(np.concatenate([one.corners, other.corners]))
+            if (high > low).all():
+                radius, _ = _largest_ball(one, other, (low + high) / 2, size)
+                depth = max(depth, 2 * radius)
+    return depth
 
 
 def _largest_ball(one: Convex, other: Convex, origin: Array, size: float) -> tuple[float, Array]:

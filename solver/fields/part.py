@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -13,6 +14,9 @@ from solver.types import Array, Indices
 
 Values = NDArray[Any]
 """Numbers of nodes or of cells, (n,) or (n, components)."""
+
+TRIANGLE = 5
+"""VTK's number of a triangle."""
 
 BOXES = {4: 9, 8: 12}
 """VTK's numbers of a quadrilateral and a hexahedron, by the number of their corners."""
@@ -42,6 +46,12 @@ def one_cell(corners: Array) -> Part:
     """A body of one cell, by its corners, m, (4, 2) or (8, 3), in VTK's order."""
     count = len(corners)
     return Part(points=in_space(corners), nodes=np.arange(count)[None], kind=BOXES[count])
+
+
+def triangles(corners: Array, faces: Sequence[Sequence[int]]) -> Part:
+    """A body by the triangles of its faces, in the plane of itself; corners are (n, d), m."""
+    fans = [(face[0], face[k - 1], face[k]) for face in faces for k in range(2, len(face))]
+    return Part(points=in_space(corners), nodes=np.array(fans), kind=TRIANGLE)
 
 
 def in_space(vectors: Array) -> Array:

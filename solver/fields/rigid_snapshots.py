@@ -9,7 +9,7 @@ import numpy as np
 from solver.fields.files import open_files
 from solver.fields.ground import platform_corners
 from solver.fields.paraview import write_script
-from solver.fields.part import one_cell, rigid_fields
+from solver.fields.part import one_cell, rigid_fields, triangles
 from solver.fields.vtu import FieldsBefore
 from solver.rigid.system import RigidSystem
 from solver.scene import Scene
@@ -31,15 +31,19 @@ class RigidSnapshots:
         """Begin the files and write the script that shows them in ParaView; on one rank only."""
         self._bodies, self._dimension = bodies, scene.dimension
         self._corners = [np.array(b.shape.corners(scene.dimension)) for b in scene.blocks]
+        self._loops = [block.shape.loops() for block in scene.blocks]
         self._centres = [np.array(b.shape.centre_of_mass(scene.dimension)) for b in scene.blocks]
         upright = scene.poses(upright=True)
         corners = zip(scene.blocks, self._corners, strict=True)
         self._upright = [upright[block.name](own) for block, own in corners]
         self._files = open_files(scene, folder, before or FieldsBefore(), writes=writes)
-        parts = [(b.name, c) for b, c in zip(scene.blocks, self._upright, strict=True)]
+        parts = [
+            (block.name, one_cell(corners) if loops is None else triangles(corners, loops))
+            for block, corners, loops in zip(scene.blocks, self._upright, self._loops, strict=True)
+        ]
         if scene.has_platform:
-            parts.append(("platform", platform_corners(scene)))
-        self._writers = [self._files.body(name, one_cell(corners)) for name, corners in parts]
+            parts.append(("platform", one_cell(platform_corners(scene))))
+        self._writers = [self._files.body(*part) for part in parts]
         self._files.begin()
         if writes:
             write_script(folder, scene, stress=False)

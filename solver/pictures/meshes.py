@@ -157,6 +157,9 @@ class Boxes:
         """Take the motion of the blocks and the drift of the platform, m, (n, d)."""
         self._blocks, self._drift = blocks, drift
         self._corners = [np.array(b.shape.corners(run.scene.dimension)) for b in run.scene.blocks]
+        self._loops = [block.shape.loops() for block in run.scene.blocks]
+        middles = (block.shape.middle(run.scene.dimension) for block in run.scene.blocks)
+        self._middles = [np.array(middle) for middle in middles]
         self._platform = platform_corners(run.scene) if run.scene.has_platform else None
         self.names = [block.name for block in run.scene.blocks]
         self.names += ["platform"] if self._platform is not None else []
@@ -164,9 +167,11 @@ class Boxes:
     def at(self, frame: int) -> list[Any]:
         """Boxes as they stand."""
         surfaces = []
-        for corners, block in zip(self._corners, self._blocks, strict=True):
-            arms = corners - np.eye(corners.shape[1])[-1] * block.half[-1]
-            surfaces.append(_box(block.centres[frame] + arms @ block.frames[frame].T))
+        for corners, middle, loops, block in zip(
+            self._corners, self._middles, self._loops, self._blocks, strict=True
+        ):
+            placed = block.centres[frame] + (corners - middle) @ block.frames[frame].T
+            surfaces.append(_box(placed) if loops is None else _polyhedron(placed, loops))
         if self._platform is not None:
             surfaces.append(_box(self._platform + self._drift[frame]))
         return surfaces
@@ -174,11 +179,16 @@ class Boxes:
 
 def _box(corners: Array) -> Any:
     """A box by its corners."""
+    return _polyhedron(corners, FACES if corners.shape[1] == 3 else ((0, 1, 2, 3),))
+
+
+def _polyhedron(corners: Array, loops: Sequence[Sequence[int]]) -> Any:
+    """A body by its corners, and those around its faces."""
     import pyvista
 
-    sides = FACES if corners.shape[1] == 3 else ((0, 1, 2, 3),)
     points = np.pad(corners, ((0, 0), (0, 3 - corners.shape[1])))
-    return pyvista.PolyData(points, faces=np.array([(4, *side) for side in sides]).ravel())
+    faces = np.concatenate([[len(loop), *loop] for loop in loops])
+    return pyvista.PolyData(points, faces=faces)
 
 
 class DeformedBodies:

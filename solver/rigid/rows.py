@@ -43,14 +43,13 @@ def quaternion_of(rotation: Array) -> Array:
 class BlockRows:
     """Writer of the columns of blocks."""
 
-    def __init__(self, corners: Array, carriers: Sequence[int]):
-        """Keep corners about centres of mass, first those of the bottom, and numbers of carriers.
+    def __init__(self, bottoms: Array, tops: Array, carriers: Sequence[int]):
+        """Keep corners of bottoms and levels of tops about centres of mass, and what carries.
 
-        Corners of the blocks are (n, 2^d, d), m.
+        Corners of the blocks are (n, 2^(d-1), d), m, levels (n,), m; carriers are numbers.
         """
-        self._d = d = corners.shape[2]
-        self._bottoms, self._tops = corners[:, : 2 ** (d - 1)], corners[:, -1, -1]
-        self._carriers, self._at = carriers, positions("block", d)
+        self._d, self._bottoms, self._tops = bottoms.shape[2], bottoms, tops
+        self._carriers, self._at = carriers, positions("block", self._d)
 
     def lean(self, steps: Steps, frames: Array, before: Array) -> Array:
         """Lean towards +x of all blocks after steps, carried on, rad, (steps, n).

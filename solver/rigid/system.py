@@ -176,8 +176,9 @@ class RigidSystem:
         if tells_pairs:
             self._world.tell_pairs()
         self._tells_pairs = tells_pairs
-        corners = np.array([_corners_of(block) for block in blocks])
-        self._written = BlockRows(corners, [each[0] for each in carriers])
+        bottoms = np.array([_bottom_of(block) for block in blocks])
+        tops = np.array([b.shape.height - b.shape.centre_height for b in blocks])
+        self._written = BlockRows(bottoms, tops, [each[0] for each in carriers])
         self._before = self._world.now()
         frames = rotation_matrices(self._before.rotation)
         self._lean = self._written.lean(self._before, frames, np.zeros(len(blocks)))[0]
@@ -372,10 +373,15 @@ class RigidSystem:
 
 def _body_of(world: World, block: RigidBlock) -> Body:
     """A block as a body of the compiled world."""
-    shape, corners, turn = block.shape, _corners_of(block), block.pose.rotation
+    shape, turn = block.shape, block.pose.rotation
+    centre = np.array(shape.centre_of_mass(len(turn)))
+    if shape.solid is None:
+        pieces = [(np.array(shape.corners(len(turn))) - centre, FACES)]
+    else:
+        pieces = [(part.corners - centre, part.faces) for part in shape.solid.parts]
     if len(turn) == 2:
         return Body(
-            shape=world.polygon(corners),
+            shape=[world.polygon(corners) for corners, _ in pieces],
             mass=shape.mass,
             thickness=shape.thickness,
             inertia=shape.rotary_inertia,
@@ -385,7 +391,7 @@ def _body_of(world: World, block: RigidBlock) -> Body:
             spin=-np.asarray(block.angular_velocity),
         )
     return Body(
-        shape=world.polyhedron(corners, FACES),
+        shape=[world.polyhedron(*piece) for piece in pieces],
         mass=shape.mass,
         inertia=shape.principal_inertias if shape.is_even else np.array(shape.inertia_tensor),
         centre=block.centre,
@@ -395,10 +401,10 @@ def _body_of(world: World, block: RigidBlock) -> Body:
     )
 
 
-def _corners_of(block: RigidBlock) -> Array:
-    """Corners of a block about its centre of mass, m; first those of the bottom."""
+def _bottom_of(block: RigidBlock) -> Array:
+    """Corners of the bottom of a block about its centre of mass, m, (2^(d-1), d)."""
     d = len(block.pose.place)
-    return np.array(block.shape.corners(d)) - block.shape.centre_of_mass(d)
+    return np.array(block.shape.bottom_corners(d)) - block.shape.centre_of_mass(d)
 
 
 def _base_of(world: World, platform: RigidPlatform | None, d: int) -> Body:

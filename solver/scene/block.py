@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Annotated, Any, Literal
 
 from geometry.block import Block
@@ -51,6 +51,7 @@ from solver.scene.quantities import (
     Turn,
     Vector,
 )
+from solver.scene.shape import Given, ShapeSpec, Sizes, block_of, own_keys, solid_of
 
 # Names that mean something else in key paths or in the columns of a history.
 RESERVED = (
@@ -80,12 +81,15 @@ class BlockSpec(Checked):
     on: str | tuple[str, ...] = OPEN
     """Its carrier: `"foundation"` or the name of another block; or an array of
     [several](#several-supports), whose tops are level. Default: `"foundation"`."""
-    width: Length
-    """B, along x, m."""
-    height: Length
-    """H, m."""
-    thickness: Length = 1.0
-    """t, across the plane of motion, along y in 3-D, m."""
+    shape_of: ShapeSpec | None = field(default=None, metadata={"key": "shape"})
+    """What it is where it is no box; see [shapes](#shapes). Rigid blocks only. Default: a box."""
+    width: Length = OPEN
+    """B, along x, m. Default: required; of a [shape](#shapes) most follow from it."""
+    height: Length = OPEN
+    """H, m. Default: as `width`."""
+    thickness: Length = OPEN
+    """t, across the plane of motion, along y in 3-D, m. Default: 1.0; of round shapes and files it
+    follows from the shape."""
     mass: Mass | None = None
     """Mass m of the whole block, kg. Default: this or `density`."""
     density: Density | None = None
@@ -153,6 +157,8 @@ class BlockSpec(Checked):
         for key, value in defaults.items():
             if self.position is None and is_open(getattr(self, key)):
                 yield key, value
+        if is_open(self.thickness) and (self.shape_of is None or not self.shape_of.is_round):
+            yield "thickness", 1.0
 
     def check(self) -> None:
         """Refuse values that do not go together."""
@@ -160,6 +166,7 @@ class BlockSpec(Checked):
             allowed = f"a letter, then letters, digits, _, -, 100 in all; not {', '.join(RESERVED)}"
             raise SceneError("name", shown(self.name), allowed)
         self._check_place()
+        self._check_lengths()
         self._check_mass()
         if self.restitution is not None and self.model != "rigid":
             raise not_applicable("restitution", f"blocks with {RIGID_MODEL} only")
@@ -167,6 +174,22 @@ class BlockSpec(Checked):
             for key, range_ in (("young", "young > 0"), ("poisson", "0 <= poisson < 0.5")):
                 if getattr(self, key) is None:
                     raise missing_key(key, f"for an elastic block ({range_}), or set {RIGID_MODEL}")
+
+    def _check_lengths(self) -> None:
+        """Refuse a block without its lengths, and what does not go with a shape."""
+        shape = self.shape_of
+        for key in ("width", "height") if shape is None else own_keys(shape):
+            if is_open(getattr(self, key)):
+                raise missing_key(key, f"({key} > 0)")
+        if shape is None:
+            return
+        shape.refuse_keys_of_parts()
+        if self.model != "rigid":
+            raise not_applicable("shape", f"blocks with {RIGID_MODEL} only")
+        if self.parts:
+            raise Statement("parts", "are for boxes; a shape has them as shape.union")
+        if self.centre_of_mass is not None and self.inertia is None:
+            raise missing_key("inertia", "beside the centre_of_mass of a shape")
 
     def _check_mass(self) -> None:
         """Refuse a mass that is not given, or given twice."""
@@ -231,14 +254,39 @@ class BlockSpec(Checked):
                 raise SceneError(key, shown(getattr(self, key)), "0 where dimension = 2")
         if self.position is not None:
             self._refuse_length("position", self.position, dimension)
-        self._check_spread(dimension)
+        sized = replace(self, **self._lengths_in(dimension))
+        sized._check_spread(dimension)
         return replace(
-            self,
+            sized,
             velocity=self._velocity_in(dimension),
             angular_velocity=self._spin_in(dimension),
             cells=cells_of(self, dimension, DEFAULT_CELLS[dimension]),
             cell=cell_of(self, dimension),
         )
+
+    def _lengths_in(self, dimension: Dimension) -> dict[str, Any]:
+        """Width, height and thickness of a shape, which may stand there but not otherwise."""
+        if self.shape_of is None:
+            return {}
+        self.shape_of.in_dimension(dimension)
+        solid = solid_of(self.shape_of, self._shape_sizes, dimension)
+        x, *y, z = map(float, solid.high - solid.low)
+        found: dict[str, Any] = {"width": x, "height": z}
+        if self.shape_of.kind == "regular":  # whose width is that of its circle
+            found["width"] = self.width
+        found["thickness"] = y[0] if y else solid.thickness
+        for key, value in found.items():
+            given = getattr(self, key)
+            if not is_open(given) and abs(given - value) > 1e-9 * value:
+                raise SceneError(key, shown(given), f"that of the shape, {value:.10g}, or nothing")
+        return found
+
+    @property
+    def _shape_sizes(self) -> Sizes:
+        """What the keys of the block say of its shape."""
+        width = self.width if self.shape_of and self.shape_of.kind == "regular" else None
+        height = self.height if self.shape_of and self.shape_of.kind == "cylinder" else None
+        return Sizes(width, height, self.thickness or 1.0, self.density or 1.0)
 
     def _velocity_in(self, dimension: Dimension) -> Vector:
         if is_open(self.velocity):
@@ -275,8 +323,14 @@ class BlockSpec(Checked):
     @property
     def shape(self) -> Block:
         """The block as a geometric body with its mass."""
-        size = {"width": self.width, "height": self.height, "thickness": self.thickness}
-        volume = self.width * self.height * self.thickness
+        if self.shape_of is not None:
+            tensor = None if self.inertia is None else inertia_tensor(self.inertia)
+            given = Given(self.mass, self._centre_in_space(), tensor)
+            dimension: Dimension = 2 if len(self.velocity) == 2 else 3
+            return block_of(self.shape_of, self._shape_sizes, dimension, given)
+        lengths = self.width, self.height, self.thickness
+        size: dict[str, Any] = dict(zip(("width", "height", "thickness"), lengths, strict=True))
+        volume = math.prod(lengths)
         if self.parts:
             assert self.density is not None
             edges = self.width, self.thickness, self.height

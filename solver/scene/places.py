@@ -17,6 +17,8 @@ from geometry.arrangement import (
     top_of,
 )
 from geometry.boxes import Boxes, overlap_depth
+from geometry.convex import Convex
+from geometry.solid import common_depth, hull
 from solver.errors import Statement
 from solver.scene.block import BlockSpec
 from solver.scene.quantities import Dimension
@@ -176,12 +178,17 @@ def _overlaps(
 ) -> Iterator[tuple[BlockSpec, BlockSpec, float]]:
     """Pairs of blocks that overlap, and the depth, m."""
     boxes = [_box(spec, placed[spec.name], dimension) for spec in blocks]
+    shapes: list[Sequence[Convex]] = [()] * len(blocks)
+    if any(spec.shape.solid is not None for spec in blocks):
+        shapes = [_parts(spec, placed[spec.name], dimension) for spec in blocks]
     centres = np.concatenate([box.centres for box in boxes])
     reaches = np.concatenate([box.reach(np.eye(dimension)[None]) for box in boxes])
     for k, first in enumerate(blocks):
         apart = np.abs(centres[k + 1 :] - centres[k]) - reaches[k + 1 :] - reaches[k]
         for other in k + 1 + np.flatnonzero(np.all(apart <= 0, axis=1)):
             depth = float(overlap_depth(boxes[k], boxes[other])[0])
+            if depth > 0 and shapes[k] and shapes[other]:
+                depth = common_depth(shapes[k], shapes[other])
             size = max(first.shape.half_diagonal, blocks[other].shape.half_diagonal)
             if depth > ROUND_OFF * size:
                 yield first, blocks[other], depth
@@ -192,3 +199,10 @@ def _box(spec: BlockSpec, pose: Pose, dimension: Dimension) -> Boxes:
     centre = pose(np.array(spec.shape.middle(dimension))[None])
     half = np.array(spec.shape.half_lengths(dimension))
     return Boxes(half=half, centres=centre, frames=pose.rotation[None])
+
+
+def _parts(spec: BlockSpec, pose: Pose, dimension: Dimension) -> Sequence[Convex]:
+    """The convex parts of a block at its place; of a box itself."""
+    solid = spec.shape.solid or hull(spec.shape.corners(dimension))
+    at_origin = [part.moved(-pose.about).rotated(pose.rotation) for part in solid.parts]
+    return [part.moved(pose.place) for part in at_origin]

@@ -82,6 +82,7 @@ def parse_scene(
         raise SceneError(source, "an empty scene", "at least [[block]] and [time]")
     set_values(tables, overrides)
     find_files(tables.get("motion"), "motion", folder, needed=needs_files)
+    find_shapes(tables.get("block"), folder, needed=needs_files)
     scene: Scene = from_table(Scene, tables)
     return scene
 
@@ -115,6 +116,15 @@ def find_files(motion: Any, where: str, folder: str | Path, *, needed: bool = Tr
             raise SceneError(f"{where}.file", got, "a file that exists")
     for direction in ("vertical", "second"):
         find_files(motion.get(direction), f"{where}.{direction}", folder, needed=needed)
+
+
+def find_shapes(blocks: Any, folder: str | Path, *, needed: bool = True) -> None:
+    """Do the same with the files of the shapes of blocks, whose tables are changed in place."""
+    for block in blocks if isinstance(blocks, list) else []:
+        shape = block.get("shape") if isinstance(block, dict) else None
+        parts = shape.get("union") if isinstance(shape, dict) else None
+        for table in [shape, *(parts if isinstance(parts, list) else [])]:
+            find_files(table, f"{block.get('name', 'block')}.shape", folder, needed=needed)
 
 
 def scene_to_toml(scene: Scene) -> str:

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeAlias
 
+from geometry.block import Block
+from geometry.density import Tensor, Vector
 from solver.errors import SceneError, Statement, missing_key, not_applicable
 from solver.scene.checking import OPEN, Checked, is_open, shown
 from solver.scene.quantities import Density, Dimension, Length, Number, Place, Position
 
 if TYPE_CHECKING:
     from geometry.solid import Solid
+    from solver.types import Array
 
 Point: TypeAlias = tuple[Place, Place]
 
@@ -89,6 +92,11 @@ class ShapeSpec(Checked):
         """The key that says what it is."""
         return next(kind for kind in KINDS if getattr(self, kind) not in (None, ()))
 
+    @property
+    def is_round(self) -> bool:
+        """True if it has a thickness of its own."""
+        return self.kind in ("profile", "cylinder", "file")
+
     def refuse_keys_of_parts(self) -> None:
         """Refuse what only a part of a union has; the block itself has these keys."""
         for key in ("at", "width", "height", "thickness", "density"):
@@ -108,14 +116,24 @@ class ShapeSpec(Checked):
             part.in_dimension(dimension)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Sizes:
+class Sizes(NamedTuple):
     """What the keys of a block say of its shape beside the shape itself, m and kg/m3."""
 
     width: float | None
     height: float | None
     thickness: float
     density: float
+
+
+class Given(NamedTuple):
+    """What the keys of a block say of its mass; None: it follows from the shape."""
+
+    mass: float | None
+    """kg."""
+    centre: Vector | None
+    """Of mass, along x, y and upwards in the block's own frame, m."""
+    inertia: Tensor | None
+    """About that centre, kg m2."""
 
 
 def own_keys(shape: ShapeSpec) -> tuple[str, ...]:
@@ -133,6 +151,40 @@ def solid_of(shape: ShapeSpec, sizes: Sizes, dimension: Dimension) -> Solid:
     return _part(shape, sizes, dimension, "shape").standing()
 
 
+@lru_cache(maxsize=256)
+def block_of(shape: ShapeSpec, sizes: Sizes, dimension: Dimension, given: Given) -> Block:
+    """The shape as a block with its mass."""
+    solid = solid_of(shape, sizes, dimension)
+    if given.mass is not None:
+        solid = solid.with_mass(given.mass)
+    x, *across, height = map(float, solid.high - solid.low)
+    ends = solid.bottom[:, 0]
+    return Block(
+        width=x,
+        height=height,
+        thickness=across[0] if across else solid.thickness,
+        density=solid.mass / solid.volume,
+        centre=given.centre or _in_space(solid.centre, solid.size),
+        inertia=given.inertia or _tensor_of(solid.inertia),
+        base=(float(ends.min()), float(ends.max())),
+        solid=solid,
+    )
+
+
+def _in_space(place: Array, size: float) -> Vector:
+    """A place along x, y and upwards, in the middle where it is off by round-off of the size."""
+    x, *y, z = (0.0 if abs(each) < 1e-14 * size else float(each) for each in place)
+    return x, y[0] if y else 0.0, z
+
+
+def _tensor_of(inertia: Array | float) -> Tensor:
+    """An inertia about a centre; in the plane that about y, whatever those about x and z are."""
+    if isinstance(inertia, float):
+        return (inertia, 0.0, 0.0), (0.0, inertia, 0.0), (0.0, 0.0, inertia)
+    first, second, third = ((float(r[0]), float(r[1]), float(r[2])) for r in inertia)
+    return first, second, third
+
+
 def _part(shape: ShapeSpec, sizes: Sizes, dimension: Dimension, where: str) -> Solid:
     """A shape in the frame in which its numbers are given."""
     from geometry import solid as solids  # numpy and more: scenes of boxes do without
@@ -147,7 +199,7 @@ def _part(shape: ShapeSpec, sizes: Sizes, dimension: Dimension, where: str) -> S
                 for key in own_keys(part):
                     if getattr(part, key) is None:
                         raise missing_key(f"{name}.{key}", f"({key} > 0, m)")
-                made = _part(part, replace(sizes, width=None, height=None), dimension, name)
+                made = _part(part, sizes._replace(width=None, height=None), dimension, name)
                 members.append(made.moved(part.at or (0.0,) * dimension))
             return solids.union(members)
         if kind == "polygon":
