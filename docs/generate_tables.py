@@ -115,9 +115,12 @@ def allowed(hint: Any, key: str) -> str:
     if len(tuples) == 2 and get_origin(parts[0]) is Annotated:
         return f"{number(parts[0], key)}; 3-D: 3 values, or a table of 3 x 3"
     if len(tuples) == 2:
-        return f"2 values, 3-D: 3, each {number(tuples[0][0], key)}"
+        counts = [f"{len(items)} value{'s' * (len(items) > 1)}" for items in tuples]
+        return f"{counts[0]}, 3-D: {len(tuples[1])}, each {number(tuples[0][0], key)}"
     if len(parts) == 2:
         first, other = parts
+        if is_dataclass(first):
+            return "a table, or an array of tables"
         if first is str:
             return f"a text, or {allowed_one(other, key)}"
         if get_origin(other) is Literal:

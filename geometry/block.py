@@ -51,6 +51,8 @@ class Block:
     """Ends of the bottom along x, from its middle, m; None: it is as wide as the block."""
     solid: Solid | None = None
     """Its shape in its own frame where it is no box; centre, inertia and base are given, too."""
+    bottom: tuple[tuple[float, ...], ...] = ()
+    """Corners on which a solid may stand, m; none: the lowest ones."""
 
     def __post_init__(self) -> None:
         """Refuse what is no block."""
@@ -197,13 +199,19 @@ class Block:
 
         In space of a bottom that is no rectangle those farthest along both diagonals.
         """
+        bottom = self._standing_corners(dimension)
         if self.solid is None:
-            return self.corners(dimension)[: 2 ** (dimension - 1)]
-        bottom = [tuple(map(float, corner)) for corner in self.solid.bottom]
+            return bottom
         if dimension == 2:
             return min(bottom), max(bottom)
         outwards = (-1, -1), (1, -1), (1, 1), (-1, 1)
         return tuple(max(bottom, key=lambda c: x * c[0] + y * c[1]) for x, y in outwards)
+
+    def _standing_corners(self, dimension: int = 3) -> tuple[tuple[float, ...], ...]:
+        """The corners of the bottom, m."""
+        if self.solid is None:
+            return self.corners(dimension)[: 2 ** (dimension - 1)]
+        return self.bottom or tuple(tuple(map(float, corner)) for corner in self.solid.bottom)
 
     def pivot(self, direction: Sequence[float]) -> tuple[float, ...]:
         """The point of the bottom that stays where it is as the block leans in a direction, m.
@@ -214,8 +222,7 @@ class Block:
             direction: Horizontal, (1,) in the plane, (2,) in space.
         """
         d = len(direction) + 1
-        corners = self.corners(d) if self.solid is None else self.solid.bottom
-        level = [c for c in corners if c[-1] <= 0.0] if self.solid is None else list(corners)
+        level = self._standing_corners(d)
         reach = [_dot(direction, corner[:-1]) for corner in level]
         far = max(reach) - 1e-9 * self.half_diagonal
         ends = [corner for corner, each in zip(level, reach, strict=True) if each >= far]
@@ -270,7 +277,7 @@ class Block:
         thickness = self.width * self.thickness / width
         if self.solid is not None:
             width = _extent([x * c[0] + y * c[1] for c in self.solid.corners])
-            along = [x * c[0] + y * c[1] for c in self.solid.bottom]
+            along = [x * c[0] + y * c[1] for c in self._standing_corners()]
             base, thickness = (min(along), max(along)), self.volume / (width * self.height)
         centre, inertia = self.centre, None
         if centre is not None:

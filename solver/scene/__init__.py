@@ -7,6 +7,7 @@ foundations and motions stand in `solver.scene.foundation` and `solver.scene.mot
 from solver.scene.block import BlockSpec
 from solver.scene.contact import Bed, ContactSpec, FrictionSpec, PairSpec
 from solver.scene.damping import DampingSpec
+from solver.scene.feet import FeetSpec, FootSpec
 from solver.scene.foundation import FoundationSpec, Platform
 from solver.scene.mass import PartSpec
 from solver.scene.motion import MotionSpec
@@ -14,6 +15,7 @@ from solver.scene.output import OutputSpec
 from solver.scene.quantities import Dimension
 from solver.scene.reader import load_scene, parse_scene, read_text, scene_to_toml, set_values
 from solver.scene.scene import Scene
+from solver.scene.shape import ShapeSpec
 from solver.scene.time import TimeSpec
 
 __all__ = [
@@ -22,6 +24,8 @@ __all__ = [
     "ContactSpec",
     "DampingSpec",
     "Dimension",
+    "FeetSpec",
+    "FootSpec",
     "FoundationSpec",
     "FrictionSpec",
     "MotionSpec",
@@ -30,6 +34,7 @@ __all__ = [
     "PartSpec",
     "Platform",
     "Scene",
+    "ShapeSpec",
     "TimeSpec",
     "load_scene",
     "parse_scene",

@@ -23,6 +23,7 @@ from solver.scene.damping import (
     sliding_ratio,
     stiffness_damping,
 )
+from solver.scene.feet import Box, FeetSpec, FootSpec, block_on_feet, single_feet
 from solver.scene.mass import (
     PartSpec,
     inertia_tensor,
@@ -83,6 +84,9 @@ class BlockSpec(Checked):
     [several](#several-supports), whose tops are level. Default: `"foundation"`."""
     shape_of: ShapeSpec | None = field(default=None, metadata={"key": "shape"})
     """What it is where it is no box; see [shapes](#shapes). Rigid blocks only. Default: a box."""
+    feet: FeetSpec | tuple[FootSpec, ...] | None = None
+    """Pads below the box, which adds their height; see [feet](#feet). Rigid blocks only. Default:
+    none."""
     width: Length = OPEN
     """B, along x, m. Default: required; of a [shape](#shapes) most follow from it."""
     height: Length = OPEN
@@ -178,6 +182,12 @@ class BlockSpec(Checked):
     def _check_lengths(self) -> None:
         """Refuse a block without its lengths, and what does not go with a shape."""
         shape = self.shape_of
+        if self.feet == ():
+            raise SceneError("feet", "none", "a table for all, or an array of one table each")
+        if self.feet is not None and self.model != "rigid":
+            raise not_applicable("feet", f"blocks with {RIGID_MODEL} only")
+        if self.feet is not None and shape is not None:
+            raise not_applicable("feet", "boxes only; a shape has them as shape.union")
         for key in ("width", "height") if shape is None else own_keys(shape):
             if is_open(getattr(self, key)):
                 raise missing_key(key, f"({key} > 0)")
@@ -255,6 +265,7 @@ class BlockSpec(Checked):
         if self.position is not None:
             self._refuse_length("position", self.position, dimension)
         sized = replace(self, **self._lengths_in(dimension))
+        sized._feet_in(dimension)
         sized._check_spread(dimension)
         return replace(
             sized,
@@ -280,6 +291,12 @@ class BlockSpec(Checked):
             if not is_open(given) and abs(given - value) > 1e-9 * value:
                 raise SceneError(key, shown(given), f"that of the shape, {value:.10g}, or nothing")
         return found
+
+    def _feet_in(self, dimension: Dimension) -> tuple[FootSpec, ...]:
+        """All feet, each for itself; SceneError where they are not below the box."""
+        if self.feet is None:
+            return ()
+        return single_feet(self.feet, Box(self.width, self.height, self.thickness), dimension)
 
     @property
     def _shape_sizes(self) -> Sizes:
@@ -323,10 +340,15 @@ class BlockSpec(Checked):
     @property
     def shape(self) -> Block:
         """The block as a geometric body with its mass."""
+        dimension: Dimension = 2 if len(self.velocity) == 2 else 3
+        box = self._body(dimension)
+        return block_on_feet(box, self._feet_in(dimension), dimension) if self.feet else box
+
+    def _body(self, dimension: Dimension) -> Block:
+        """The block without its feet."""
         if self.shape_of is not None:
             tensor = None if self.inertia is None else inertia_tensor(self.inertia)
             given = Given(self.mass, self._centre_in_space(), tensor)
-            dimension: Dimension = 2 if len(self.velocity) == 2 else 3
             return block_of(self.shape_of, self._shape_sizes, dimension, given)
         lengths = self.width, self.height, self.thickness
         size: dict[str, Any] = dict(zip(("width", "height", "thickness"), lengths, strict=True))

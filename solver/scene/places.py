@@ -55,7 +55,7 @@ def poses(
         else:
             below = middle_of([tops[name] for name in spec.carriers])
             pose = below.after(_on_level(spec, dimension, tilt))
-        placed[spec.name], tops[spec.name] = pose, top_of(pose, spec.height)
+        placed[spec.name], tops[spec.name] = pose, top_of(pose, spec.shape.height)
     return placed
 
 
@@ -112,7 +112,7 @@ def refuse_places(
         Statement: Names the blocks, and levels or depth.
     """
     placed = poses(blocks, dimension)
-    tops = {spec.name: top_of(placed[spec.name], spec.height) for spec in blocks}
+    tops = {spec.name: top_of(placed[spec.name], spec.shape.height) for spec in blocks}
     tops["foundation"] = level(np.zeros(dimension))
     halves = {spec.name: np.array(spec.shape.half_lengths(dimension))[:-1] for spec in blocks}
     halves["foundation"] = np.full(dimension - 1, np.inf)

@@ -105,6 +105,7 @@ Amplitude = Annotated[float, Number(extremes=_AMPLITUDES)]
 Gravity = Annotated[float, Number(at_least=0, extremes=_GRAVITIES)]
 
 Length = Annotated[float, Number(above=0, extremes=_SIZES, powers=_LENGTH)]
+NotNegativeLength = Annotated[float, Number(at_least=0, extremes=_PLACES, powers=_LENGTH)]
 Place = Annotated[float, Number(extremes=_PLACES, powers=_LENGTH)]
 Mass = Annotated[float, Number(above=0, extremes=_WEIGHTS, powers=_MASS)]
 AddedMass = Annotated[float, Number(at_least=0, powers=_MASS)]

@@ -182,6 +182,10 @@ class Scene(Checked):
         rigid = next((block.name for block in self.blocks if block.model == "rigid"), None)
         if not self.is_rigid:
             self._refuse_unmeshed()
+            for block in self.blocks:
+                if block.shape.solid is not None:
+                    key = "shape" if block.shape_of is not None else "feet"
+                    raise not_applicable(f"{block.name}.{key}", UNMESHED)
         for key in ("stiffness", "damping"):
             if self.is_rigid and getattr(self.contact, key):
                 what = "scenes with a meshed body only, block.restitution to rigid blocks"
