@@ -64,9 +64,8 @@ def single_feet(
     if isinstance(feet, FeetSpec):
         reach = [side / 2 - feet.inset - feet.size / 2 for side in sides]
         if min(reach) < feet.size / 2:
-            most = min(sides) / 2 - feet.size
-            allowed = f"at most {most:g}, so that feet {feet.size:g} m wide are apart"
-            raise SceneError("feet.inset", shown(feet.inset), allowed)
+            said = f"do not fit below the box: {feet.size:g} m wide, inset by {feet.inset:g} m"
+            raise Statement("feet", said)
         plans: list[Plan] = [(-reach[0],), (reach[0],)]
         if dimension == 3:
             x, y = reach
