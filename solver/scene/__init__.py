@@ -7,7 +7,7 @@ foundations and motions stand in `solver.scene.foundation` and `solver.scene.mot
 from solver.scene.block import BlockSpec
 from solver.scene.contact import Bed, ContactSpec, FrictionSpec, PairSpec
 from solver.scene.damping import DampingSpec
-from solver.scene.feet import FeetSpec, FootSpec
+from solver.scene.feet import EvenFeetSpec, FootSpec
 from solver.scene.foundation import FoundationSpec, Platform
 from solver.scene.mass import PartSpec
 from solver.scene.motion import MotionSpec
@@ -24,7 +24,7 @@ __all__ = [
     "ContactSpec",
     "DampingSpec",
     "Dimension",
-    "FeetSpec",
+    "EvenFeetSpec",
     "FootSpec",
     "FoundationSpec",
     "FrictionSpec",

@@ -23,7 +23,7 @@ from solver.scene.damping import (
     sliding_ratio,
     stiffness_damping,
 )
-from solver.scene.feet import Box, FeetSpec, FootSpec, block_on_feet, single_feet
+from solver.scene.feet import Box, EvenFeetSpec, FootSpec, block_on_feet, single_feet
 from solver.scene.mass import (
     PartSpec,
     inertia_tensor,
@@ -84,7 +84,7 @@ class BlockSpec(Checked):
     [several](#several-supports), whose tops are level. Default: `"foundation"`."""
     shape_of: ShapeSpec | None = field(default=None, metadata={"key": "shape"})
     """What it is where it is no box; see [shapes](#shapes). Rigid blocks only. Default: a box."""
-    feet: FeetSpec | tuple[FootSpec, ...] | None = None
+    feet: EvenFeetSpec | tuple[FootSpec, ...] | None = None
     """Pads below the box, which adds their height; see [feet](#feet). Rigid blocks only. Default:
     none."""
     width: Length = OPEN

@@ -30,7 +30,7 @@ class FootSpec(Checked):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FeetSpec(Checked):
+class EvenFeetSpec(Checked):
     """A foot below each corner of the box, all alike."""
 
     inset: NotNegativeLength = 0.0
@@ -53,7 +53,7 @@ class Box(NamedTuple):
 
 
 def single_feet(
-    feet: FeetSpec | tuple[FootSpec, ...], box: Box, dimension: Dimension
+    feet: EvenFeetSpec | tuple[FootSpec, ...], box: Box, dimension: Dimension
 ) -> tuple[FootSpec, ...]:
     """All feet, each for itself.
 
@@ -61,7 +61,7 @@ def single_feet(
         SceneError: They reach beyond the box, or into each other.
     """
     sides = (box.width, box.thickness)[: dimension - 1]
-    if isinstance(feet, FeetSpec):
+    if isinstance(feet, EvenFeetSpec):
         reach = [side / 2 - feet.inset - feet.size / 2 for side in sides]
         if min(reach) < feet.size / 2:
             said = f"do not fit below the box: {feet.size:g} m wide, inset by {feet.inset:g} m"
