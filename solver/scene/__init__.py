@@ -7,7 +7,9 @@ foundations and motions stand in `solver.scene.foundation` and `solver.scene.mot
 from solver.scene.block import BlockSpec
 from solver.scene.contact import Bed, ContactSpec, FrictionSpec, PairSpec
 from solver.scene.damping import DampingSpec
+from solver.scene.force import ForceSpec
 from solver.scene.foundation import FoundationSpec, Platform
+from solver.scene.link import LinkSpec
 from solver.scene.motion import MotionSpec
 from solver.scene.output import OutputSpec
 from solver.scene.quantities import Dimension
@@ -21,8 +23,10 @@ __all__ = [
     "ContactSpec",
     "DampingSpec",
     "Dimension",
+    "ForceSpec",
     "FoundationSpec",
     "FrictionSpec",
+    "LinkSpec",
     "MotionSpec",
     "OutputSpec",
     "PairSpec",
