@@ -42,6 +42,7 @@ COLUMNS = {
     "columns of a block in the plane": lambda column: in_block(column, 2),
     "columns of a block in space": lambda column: in_block(column, 3),
     "columns of the platform": lambda column: column.part == "platform",
+    "columns of a link": lambda column: column.part == "link",
     "columns of a structure": lambda column: column.part in ("foundation", "storey", "column"),
     "columns of the energies": lambda column: column.part == "energy",
 }
@@ -173,7 +174,8 @@ def key_row(cls: Any, field: Field[Any]) -> tuple[str, ...]:
 
 def keys_table(cls: Any) -> str:
     """The table of the keys of a specification, without those that all its kinds share."""
-    shared = OF_KINDS if "kind" in {field.name for field in fields(cls)} else ()
+    hints = get_type_hints(cls, include_extras=True)
+    shared = OF_KINDS if len(get_args(hints.get("kind"))) == 1 else ()
     rows = (key_row(cls, field) for field in fields(cls) if field.name not in shared)
     return table(("key", "default", "allowed", "meaning"), rows)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import namedtuple
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from itertools import groupby
 from typing import Any, NamedTuple
@@ -34,30 +34,34 @@ def columns(
     vertical: bool = False,
     second: bool = False,
     structure: Structure | None = None,
+    links: Mapping[str, bool] | None = None,
 ) -> tuple[str, ...]:
     """Names of all columns of the history of a scene, in their order, by the names of its blocks.
 
     `platform`: whether what carries the blocks moves as a whole, and `structure` what it has where
     it is meshed; `vertical`, `second`: whether the ground also moves up and down, or along the
-    second horizontal direction.
+    second horizontal direction. `links`: of each link by its name whether it acts along axes.
     """
-    exists = {"": True, "platform": platform, "vertical": vertical, "second": second}
+    links = links or {}
+    exists = {"": True, "axes": True, "platform": platform, "vertical": vertical, "second": second}
     exists["structure"] = structure is not None
     storeys, feet = structure or Structure()
     owners: dict[Part, Sequence[str]] = {
         "block": blocks,
         "storey": [f"foundation.storey_{k + 1}" for k in range(storeys)],
         "column": [f"foundation.column_{k + 1}" for k in range(feet)],
+        "link": list(links),
     }
     there = [c for c in TABLE if c.dimension in (None, dimension) and exists[c.needs]]
     names: list[str] = []
     for part, group in groupby(there, key=lambda column: column.part):
-        own = [column.name for column in group]
+        own = list(group)
         if part not in owners:
-            names += own
+            names += [column.name for column in own]
             continue
         for name in owners[part]:
-            names += [f"{name}.{column.partition('.')[2]}" for column in own]
+            has = [c.name for c in own if c.needs != "axes" or links[name]]
+            names += [f"{name}.{column.partition('.')[2]}" for column in has]
     return tuple(names)
 
 

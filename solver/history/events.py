@@ -20,7 +20,7 @@ NAME = "events.csv"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Event:
-    """An instant at which a block lands, lifts off, meets another body, or loses what carries it.
+    """An instant at which a block lands, lifts off, meets another body, or loses what it has.
 
     Velocities are those against what it meets; nan where there is none, or it is not known.
     """
@@ -29,13 +29,14 @@ class Event:
     """Time, s."""
     kind: str
     """"impact", "lift-off", "flight", "landing", "collision", "carrier lost", "overturned" or
-    "fell"."""
+    "fell"; of a link "break", or "yield" where it flows for the first time."""
     block: str
     """Name of the block; in a collision, of the body that moves faster towards the other one."""
     meets: str
-    """Name of the block that it lands on, lifts off or strikes, or "foundation"."""
+    """Name of the block that it lands on, lifts off, strikes or is linked to, or "foundation"."""
     where: str = ""
-    """Corners of its bottom that land or lift off, as in `gap_left_m`, joined by "+"."""
+    """Corners of its bottom that land or lift off, as in `gap_left_m`, joined by "+"; name of the
+    link."""
     velocity_before_m_s: float = math.nan
     """Normal velocity of these corners, or of what strikes, just before, upwards or away from what
     it meets, m/s."""
@@ -49,13 +50,15 @@ class Event:
     """Normal impulse, N s; of an impact without that of the weight."""
     energy_lost_J: float = math.nan
     """Energy that the impact took, J; where something deforms, that of the rotation, and of a
-    collision that of the bodies as rigid ones."""
+    collision that of the bodies as rigid ones; that of a link when it broke."""
     restitution: float = math.nan
     """Angular velocity after the impact over that before it."""
     reason: str = ""
     """Reason why that is no restitution, or not known; else empty."""
     impulse_tangential_Ns: float = math.nan
     """Magnitude of the tangential impulse, N s."""
+    force_N: float = math.nan
+    """Force at which a link breaks or flows, N."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -48,6 +48,7 @@ def scene_columns(scene: Scene) -> tuple[str, ...]:
         vertical=motion is not None and motion.vertical is not None,
         second=motion is not None and motion.second is not None,
         structure=structure_of(scene),
+        links={link.name: not link.is_axial for link in scene.links},
     )
 
 

@@ -10,9 +10,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-Part = Literal["run", "block", "platform", "energy", "foundation", "storey", "column"]
+Part = Literal["run", "block", "platform", "energy", "foundation", "storey", "column", "link"]
 """The parts of a row, which lie one after the other; those of blocks, storeys and columns of a
-frame once for each of them."""
+frame, and links once for each of them."""
 
 PARTS: dict[str, Part] = {
     "NAME": "block",
@@ -21,21 +21,23 @@ PARTS: dict[str, Part] = {
     "foundation": "foundation",
     "STOREY": "storey",
     "COLUMN": "column",
+    "LINK": "link",
 }
 """The parts by the first word of the names of their columns."""
 
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A column; one for each block, storey or column where its name begins with a capital word."""
+    """A column; of a block, storey, column or link where its name begins with a capital word."""
 
     name: str
     unit: str
     meaning: str
     dimension: Literal[2, 3] | None = None
     """The dimension of space in which it exists; None: both."""
-    needs: Literal["", "vertical", "second", "platform", "structure"] = ""
-    """The motion of the ground, the platform, or its mesh, without which it does not exist."""
+    needs: Literal["", "vertical", "second", "platform", "structure", "axes"] = ""
+    """The motion of the ground, the platform, its mesh, or the axes of a link, without which it
+    does not exist."""
     energy: Literal["", "stored", "dissipated"] = ""
     """Kind of the energy."""
 
@@ -184,19 +186,20 @@ TABLE = (
         " deformed; on an incline 0 at the origin.",
         energy="stored",
     ),
-    Column("energy.spring_J", "J", "Energy in the spring of the platform.", energy="stored"),
+    Column("energy.spring_J", "J", "Energy in links and a platform's spring.", energy="stored"),
     Column(
         "energy.interface_J",
         "J",
         "Energy of Nitsche's contact terms, which may be negative, and of the bed.",
         energy="stored",
     ),
-    Column("energy.input_J", "J", "Work of the moving ground since the start."),
+    Column("energy.input_J", "J", "Work of the moving ground, and of forces, since the start."),
     Column("energy.friction_J", "J", "Dissipated by friction.", energy="dissipated"),
     Column(
         "energy.damping_J",
         "J",
-        "Dissipated by material damping and the dashpot of the platform.",
+        "Dissipated by material damping and the dashpot of the platform; by dashpots, flow and"
+        " fracture of links.",
         energy="dissipated",
     ),
     Column(
@@ -222,7 +225,7 @@ TABLE = (
         "foundation.base_shear_N",
         "N",
         "Force of the platform or structure on the ground along x, the mean of the step: less the"
-        " sum of all masses times their absolute accelerations.",
+        " sum of all masses times their absolute accelerations, plus all `[[force]]`.",
         needs="platform",
     ),
     Column("foundation.base_shear_second_N", "N", "That along y.", 3, needs="platform"),
@@ -282,4 +285,24 @@ TABLE = (
         3,
         needs="structure",
     ),
+    Column(
+        "LINK.force_N",
+        "N",
+        "Tension, the mean of the step; of a link along axes the part along the vertical one,"
+        " positive where it draws the two bodies together.",
+    ),
+    Column(
+        "LINK.shear_force_N",
+        "N",
+        "Force of a link along axes on its first body along x of that, the mean of the step.",
+        needs="axes",
+    ),
+    Column("LINK.shear_force_second_N", "N", "That along y.", 3, needs="axes"),
+    Column(
+        "LINK.extension_m",
+        "m",
+        "By how much it is longer than its length without stretch; of a link along axes that along"
+        " the vertical one, positive where the bodies part.",
+    ),
+    Column("LINK.state", "-", "0: slack, 1: taut, 2: has flowed, 3: broken."),
 )

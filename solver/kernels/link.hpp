@@ -73,7 +73,8 @@ template <int d> struct Link {
     double strength = INFINITY;  // force at which it breaks, N
 
     Vec<d> plastic{};           // m
-    Vec<d> force{};             // mean over the last step, N, in tension
+    Vec<d> force{};             // of the last piece of a step, N, in tension
+    Vec<d> mean{};              // of the forces over the last step, N
     Vec<d> extension{};         // at its end, m
     bool broken = false;
     double broken_at = 0;       // s
@@ -157,8 +158,9 @@ template <int d> struct LinkStep {
         for (int round = 0; round < 100 && off != 0; round++) {
             (off > 0 ? high : low) = P;
             double next = P - off / slope;
-            if (next <= low || next >= high) next = 0.5 * (low + high);
             if (next == P) break;
+            if (next <= low || next >= high) next = 0.5 * (low + high);
+            if (!std::isfinite(next) || next == P) break;
             const double step = next - P;
             P = next;
             const auto there = value(P);

@@ -83,7 +83,7 @@ template <int d> constexpr std::size_t LINK = 3 * d + 3;
 template <int d> void write_links(const World<d>& world, double* out) {
     for (const Link<d>& link : world.links) {
         write(out, link.extension);
-        write(out, link.force);
+        write(out, link.mean);
         write(out, link.plastic);
         write(out, Numbers<3>{double(link.broken), link.broken_at, link.lost});
     }

@@ -166,6 +166,7 @@ template <int d> class World {
         }
         std::fill(penetration.begin(), penetration.end(), 0.0);
         spring_impulse.fill(0);
+        for (Link<d>& link : links) link.mean.fill(0);
         smallest_ = smallest;
         whole_ = dt;
         number_++;
@@ -935,6 +936,7 @@ template <int d> class World {
         for (int i = 0; i < link.directions(); i++) {
             work += k.impulse[i] / dt * (reached[i] - link.extension[i]);
             link.force[i] = -k.impulse[i] / dt;
+            link.mean[i] -= k.impulse[i] / whole_;
         }
         ledger.damping += link.take(reached, work);
         if (breaks && link.load(link.extension) > (1 + BREAKING) * link.strength) ledger.damping += link.fracture(when);

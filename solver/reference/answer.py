@@ -129,6 +129,9 @@ def _refuse(scene: Scene, ground: GroundMotion) -> None:
         raise SceneError("dimension", "3", f"2 {ONLY}")
     if len(scene.blocks) != 1:
         raise SceneError("block", f"{len(scene.blocks)} blocks", f"one block {ONLY}")
+    for key, members in (("link", scene.links), ("force", scene.forces)):
+        if members:
+            raise SceneError(key, members[0].name, f"none {ONLY}")
     if block.position is not None:
         raise SceneError(f"{block.name}.position", shown(block.position), f"offset {ONLY}")
     if scene.gravity == 0:

@@ -150,13 +150,17 @@ def _demand_towards(scene: Scene, ground: GroundMotion, side: int) -> float:
 
 
 def has_expected_mode(scene: Scene) -> bool:
-    """True if there is a criterion: one block on ground that does not give way, and gravity."""
+    """True if there is a criterion: one block on ground that does not give way, and gravity.
+
+    Neither links nor forces.
+    """
     block = scene.blocks[0]
     moves = [*block.velocity[1:], *block.spins]
     in_plane = scene.motion is None or scene.motion.second is None
     in_plane = in_plane and (block.tilt == 0 or block.tilt_direction == 0)
     firm = scene.gravity > 0 and not scene.carrier_moves and not _sways(scene)
     stands = len(scene.blocks) == 1 and block.position is None
+    stands = stands and not (scene.links or scene.forces)
     return firm and stands and in_plane and not any(moves)
 
 

@@ -59,6 +59,8 @@ def cautions_of_input(scene: Scene, ground: GroundMotion) -> list[str]:
         *_strong_motions(scene, ground),
         *_motions_beyond_the_end(scene, ground),
         *_undersampled_motion(scene),
+        *_undersampled_links(scene),
+        *_forces_beyond_the_end(scene),
     ]
 
 
@@ -170,6 +172,32 @@ def _undersampled_motion(scene: Scene) -> list[str]:
         f"steps of {longest:g} s, {shortest / longest:.2g} in the {shortest:.3g} s of {what}, do "
         f"not see it: {key} = {better:g} does, in {span.end / better:.0f} steps instead of "
         f"{span.end / longest:.0f}"
+    ]
+
+
+def _undersampled_links(scene: Scene) -> list[str]:
+    """The stiffest link, where steps are too long to follow what swings on it."""
+    if not scene.links:
+        return []
+    link = min(scene.links, key=scene.link_period)
+    period, step = scene.link_period(link), scene.time.step
+    if step <= period / FEWEST_STEPS_A_PERIOD * (1 + 1e-9):
+        return []
+    better = float(f"{period / STEPS_A_PERIOD:.1g}")
+    return [
+        f"steps of {step:g} s, {period / step:.2g} in the {period:.3g} s in which its bodies swing "
+        f"on {link.name}, do not follow that: its forces are means, and time.step = {better:g} "
+        "shows them"
+    ]
+
+
+def _forces_beyond_the_end(scene: Scene) -> list[str]:
+    """Forces that go on changing after the end of a run."""
+    end = scene.time.end
+    return [
+        f"the run ends at {end:g} s, before {force.name} is what it becomes at {force.settled:g} s"
+        for force in scene.forces
+        if force.settled > end * (1 + 1e-9)
     ]
 
 

@@ -190,9 +190,10 @@ class Recorder:
         names = Event.__dataclass_fields__
         self._found = [Event(**dict(zip(names, values, strict=True))) for values in saved["found"]]
 
-    def add(self, rows: Array, met: Iterable[Meeting] = ()) -> None:
-        """The rows of steps that were taken, (n, columns), and who met in them."""
+    def add(self, rows: Array, met: Iterable[Meeting] = (), happened: Iterable[Event] = ()) -> None:
+        """The rows of steps that were taken, (n, columns), who met, and what happened in them."""
         self._met.add(met)
+        self._found += happened
         while len(rows):
             room = max(1, CHUNK - self._count % CHUNK)
             self._rows.append(rows[:room].copy())

@@ -33,6 +33,7 @@ def report(summary: Mapping[str, Any]) -> str:
     lines.append(f"{summary['status']} at t = {summary['end_s']:.6g} s{reason}")
     for name, block in summary["blocks"].items():
         lines += _block_lines(name, block)
+    lines += [_link(name, link) for name, link in summary.get("links", {}).items()]
     if "platform" in summary:
         lines.append(_platform(summary["platform"]))
     if summary["energy"]:
@@ -98,6 +99,18 @@ def _block_lines(name: str, block: Mapping[str, Any]) -> list[str]:
         told = [ratios] * bool(ratios) + [f"none: {none}"] * bool(none)
         lines.append(f"  restitution   {'; '.join(told)}")
     return lines
+
+
+def _link(name: str, link: Mapping[str, Any]) -> str:
+    """The line on a link."""
+    words = [f"peak force {link['peak_force_N']:.4g} N"]
+    if "peak_shear_force_N" in link:
+        words.append(f"peak shear force {link['peak_shear_force_N']:.4g} N")
+    words.append(f"peak extension {_plain(1e3 * link['peak_extension_m']):.4g} mm")
+    for key, text in (("flowed_at_s", "flows"), ("broke_at_s", "breaks")):
+        if link[key] is not None:
+            words.append(f"{text} at t = {link[key]:.6g} s")
+    return f"{name}: {', '.join(words)}"
 
 
 def _flown(block: Mapping[str, Any]) -> str:

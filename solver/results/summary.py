@@ -30,7 +30,10 @@ from solver.results.flutter import cautions_of_flutter
 from solver.results.meetings import Contacts, meetings
 from solver.results.motion import CLEAR, block_motion, lean_over_alpha, mode
 from solver.results.overlaps import overlaps
-from solver.scene import BlockSpec, Scene
+from solver.scene import BlockSpec, LinkSpec, Scene
+
+STATES = "slack", "taut", "has flowed", "broken"
+"""States of a link, by the numbers that the history has for them."""
 
 #: Version of the layout of summary.json.
 SCHEMA = 1
@@ -58,6 +61,7 @@ def summarise(
     """
     events = recorded(scene, history) if len(history) else ()
     blocks = {b.name: _block(b, scene, history, events) for b in scene.blocks if len(history)}
+    links = {k.name: _link(k, history, events) for k in scene.links if len(history)}
     platform = _platform(history) if len(history) else {}
     balance = _energy(scene, history) if len(history) else {}
     found = cautions_of_steps(scene, cost)
@@ -78,6 +82,7 @@ def summarise(
         "versions": dict(versions),
         "blocks": blocks,
         "overlaps": overlaps(scene, history) if len(history) and not scene.is_rigid else [],
+        **({"links": links} if links else {}),
         **({"platform": platform} if platform else {}),
         "energy": balance,
         "cautions": [*cautions, *found],
@@ -123,7 +128,8 @@ def _block(
         known["peak_turn_rad"] = float(np.max(np.abs(motion.turn)))
         known["residual_turn_rad"] = float(motion.turn[-1])
     on_ground = scene.carrier_of(block) is None and float(motion.low[0]) <= CLEAR * block.width
-    if "platform.acceleration_m_s2" in history and on_ground:
+    alone = not (scene.links or scene.forces)  # else friction is not all that moves it
+    if "platform.acceleration_m_s2" in history and on_ground and alone:
         known["friction_mass_ratio"] = friction_mass_ratio(block, scene, history)
     return known | {
         "impacts": [_impact(e) for e in events if (e.kind, e.block) == ("impact", block.name)],
@@ -138,6 +144,29 @@ def _impact(event: Event) -> dict[str, Any]:
         return known
     known |= {"restitution": None, "reason": event.reason}
     return known | ({} if math.isnan(event.restitution) else {"ratio": event.restitution})
+
+
+def _link(link: LinkSpec, history: History, events: Sequence[Event]) -> dict[str, Any]:
+    """Entries of a link."""
+    force, name = history[f"{link.name}.force_N"], link.name
+    own = {event.kind: event for event in events if event.where == name}
+    broke, flowed = own.get("break"), own.get("yield")
+    peak = float(np.max(np.abs(force)))
+    if link.is_axial and broke is not None:
+        peak = max(peak, broke.force_N)  # no mean of a step is as large
+    known: dict[str, Any] = {"kind": link.kind, "peak_force_N": peak}
+    if not link.is_axial:
+        ways = [f"{name}.shear_force{way}_N" for way in ("", "_second")]
+        shear = [history[column] for column in ways if column in history]
+        known["peak_shear_force_N"] = float(np.max(np.linalg.norm(shear, axis=0)))
+    extension = history[f"{name}.extension_m"]
+    state = STATES[int(history[f"{name}.state"][-1])]
+    return known | {
+        "peak_extension_m": float(extension[np.argmax(np.abs(extension))]),
+        "state": state,
+        "flowed_at_s": None if flowed is None else flowed.time_s,
+        "broke_at_s": None if broke is None else broke.time_s,
+    }
 
 
 def _platform(history: History) -> dict[str, float]:

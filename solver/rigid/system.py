@@ -12,11 +12,13 @@ from typing import Any, Self
 
 import numpy as np
 
-from geometry.arrangement import Pose
+from geometry.arrangement import Pose, level
 from geometry.block import FACES, Block
 from solver.history.columns import check_filled, columns, positions, row_layout
-from solver.history.events import Meeting
+from solver.history.events import Event, Meeting
 from solver.kernels.world import Body, Mobility, Steps, World
+from solver.rigid.forces import arm_of, factors, whole_force
+from solver.rigid.links import LinkRows, link_of
 from solver.rigid.rows import (
     BlockRows,
     quaternion_of,
@@ -25,7 +27,9 @@ from solver.rigid.rows import (
     write_platform,
 )
 from solver.scene import Scene
+from solver.scene.force import ForceSpec
 from solver.scene.laws import GROUND, Law
+from solver.scene.link import LinkSpec
 from solver.scene.places import Drift
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.types import Array, Indices
@@ -103,8 +107,9 @@ FOLLOWING = (
     *("normal_force_N", "friction_force_N", "friction_force_second_N"),
     *("platform.acceleration_m_s2", "platform.acceleration_second_m_s2"),
     *("foundation.base_shear_N", "foundation.base_shear_second_N"),
+    *(".force_N", ".shear_force_N", ".shear_force_second_N"),
 )
-"""Columns of blocks, platform and ground that tell of the instant after a moment."""
+"""Columns of blocks, platform, ground and links that tell of the instant after a moment."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -121,6 +126,8 @@ class Advance:
     """Bodies that met in these steps, by their times."""
     pairs: Array
     """What pairs of bodies did to one another (`World.pairs`); empty unless they are told."""
+    events: Sequence[Event]
+    """What happened to links."""
     unsettled: int
     """Steps that were taken though no solution met the tolerance."""
 
@@ -141,6 +148,8 @@ class RigidSystem:
         velocity_solve: bool,
         law_between: Callable[[str, str], Law],
         tells_pairs: bool,
+        links: Sequence[LinkSpec] = (),
+        forces: Sequence[ForceSpec] = (),
     ):
         """Start at t = 0.
 
@@ -152,13 +161,20 @@ class RigidSystem:
             velocity_solve: True if contact is also solved at velocity level after each step.
             law_between: The law of two bodies by their names.
             tells_pairs: True if it is told what pairs of bodies do to one another.
+            links: Between two bodies.
+            forces: On blocks.
         """
         self.dimension = d = len(blocks[0].pose.place)
         self.names = tuple(block.name for block in blocks)
         self.time = 0.0
         moves = platform is not None
         self.columns = columns(
-            self.names, dimension=d, platform=moves, vertical=True, second=d == 3
+            self.names,
+            dimension=d,
+            platform=moves,
+            vertical=True,
+            second=d == 3,
+            links={link.name: not link.is_axial for link in links},
         )
         """Names of the columns of the rows: those of a history with all motions of the ground."""
         self._run = positions("run", d)
@@ -171,6 +187,18 @@ class RigidSystem:
         self._world.add(_base_of(self._world, platform, d))
         numbers = {GROUND: len(blocks)} | {block.name: b for b, block in enumerate(blocks)}
         carriers = [[numbers[name] for name in block.carriers] for block in blocks]
+        drift = np.zeros(d) if platform is None else np.array([*platform.drift[: d - 1], 0.0])
+        placed = {block.name: block.pose for block in blocks} | {GROUND: level(drift)}
+        centres = {block.name: block.centre for block in blocks} | {GROUND: drift}
+        for link in links:
+            self._world.link(link_of(link, placed, centres, numbers))
+        self._links = LinkRows(links, self.columns, d)
+        self._forces, self._pushes = forces, np.zeros((len(forces), d))
+        for k, force in enumerate(forces):
+            block = blocks[numbers[force.on]]
+            arm = arm_of(force, block.pose, block.shape, block.centre)
+            self._world.force(numbers[force.on], arm)
+            self._pushes[k] = whole_force(force, block.pose, block.shape)
         laws, law_of = _laws_of(self.body_names, law_between)
         self._world.begin(laws, law_of, [*carriers, []])
         if tells_pairs:
@@ -201,6 +229,8 @@ class RigidSystem:
             velocity_solve=scene.contact.velocity_solve,
             law_between=scene.laws.between,
             tells_pairs=scene.output.pairs,
+            links=scene.links,
+            forces=scene.forces,
         )
 
     @property
@@ -273,12 +303,17 @@ class RigidSystem:
         """
         motion, shift = _ground_of_steps(count, self.dimension, ground, mean)
         before, unsettled = self._before, self._world.counts()["unsettled"]
-        steps = self._world.run(count, dt, smallest or dt / 1024, motion, shift)
+        times = self.time + dt * np.arange(count + 1)
+        pushes = factors(self._forces, times)[..., None] * self._pushes
+        steps = self._world.run(count, dt, smallest or dt / 1024, motion, shift, pushes)
         done = len(steps.closed)
+        happened: tuple[Event, ...] = ()
         rows: Array = np.full((done, len(self.columns)), np.nan)
         if done:
-            self._fill(rows, before.followed_by(steps), dt, motion[: done + 1])
-            rows[:, self._run.time_s] = self.time + dt * np.arange(1, done + 1)
+            taken = before.followed_by(steps)
+            self._fill(rows, taken, dt, motion[: done + 1])
+            rows[:, self._run.time_s] = times[1 : done + 1]
+            happened = tuple(self._links.events(taken, times[1 : done + 1]))
             check_filled(self.columns, rows)
             self._before = steps.last()
         self.time += dt * done
@@ -290,6 +325,7 @@ class RigidSystem:
             failure=failure,
             met=self._meetings(),
             pairs=self._world.pairs() if self._tells_pairs else np.empty((0, 0)),
+            events=happened,
             unsettled=int(self._world.counts()["unsettled"] - unsettled),
         )
 
@@ -306,6 +342,7 @@ class RigidSystem:
         self._lean = self._written.write(rows, layout, steps, dt, self._lean)
         if layout.energy > layout.platform:
             write_platform(rows, layout, steps, dt)
+        self._links.write(rows, steps)
         write_energies(rows[:, layout.energy :], steps.stored[1:], steps.exchanged[1:])
         rows[:, self._error] -= self._first
 

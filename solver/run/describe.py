@@ -23,10 +23,12 @@ from solver.excitation.spectrum import (
 from solver.reference.housner import housner_restitution, restitution_on_platform
 from solver.reference.initiation import expected_mode, has_expected_mode
 from solver.results.cautions import cautions_of_scene
+from solver.rigid.forces import whole_force
 from solver.scene import BlockSpec, Scene
 from solver.scene.cells import box_nodes
 from solver.scene.damping import DampingSpec
 from solver.scene.motion import G_UNIT
+from solver.scene.places import link_ends
 from solver.scene.time import TimeSpec
 
 Lines = list[tuple[str, str]]
@@ -51,6 +53,8 @@ def describe(scene: Scene) -> str:
     lines += _foundation(scene, ground)
     lines += [(f"friction{of}", text) for of, text in _frictions(scene)]
     lines += _pairs(scene)
+    lines += _links(scene)
+    lines += _forces(scene)
     lines += _beds(scene)
     lines += _motions(scene, ground)
     if has_expected_mode(scene):
@@ -287,6 +291,50 @@ def _pairs(scene: Scene) -> Lines:
         if scene.is_rigid:
             text += f", restitution {restitution:g}"
         lines.append((f"pair {' and '.join(pair.between)}", text))
+    return lines
+
+
+def _links(scene: Scene) -> Lines:
+    """Links: what they join, how stiff they are, where they begin to act, flow and break."""
+    lines, placed = [], scene.poses() if scene.links else {}
+    for link in scene.links:
+        words = [f"{link.kind} between {' and '.join(link.between)}"]
+        if link.is_axial:
+            first, second = link_ends(link, placed)
+            apart = float(np.linalg.norm(second - first))
+            words.append(f"{link.length or apart:.4g} m long")
+            if link.length is not None and link.length != apart:
+                words.append(f"its ends {apart:.4g} m apart")
+        words.append(f"k {link.stiffness:.4g} N/m")
+        values = (
+            (link.shear_stiffness, "k across", "N/m"),
+            (link.damping, "c", "N s/m"),
+            (link.gap, "gap", "m"),
+            (link.shear_gap, "gap across", "m"),
+            (link.preload, "preload", "N"),
+            (link.yields, "flows at", "N"),
+            (link.strength, "breaks at", "N"),
+        )
+        words += [f"{name} {value:.4g} {unit}" for value, name, unit in values if value]
+        words.append(f"period about {scene.link_period(link):.3g} s")
+        lines.append((f"link {link.name}", ", ".join(words)))
+    return lines
+
+
+def _forces(scene: Scene) -> Lines:
+    """Forces on blocks: what they are when whole, and how they get there."""
+    lines, placed = [], scene.poses() if scene.forces else {}
+    for force in scene.forces:
+        shape = next(block.shape for block in scene.blocks if block.name == force.on)
+        vector = whole_force(force, placed[force.on], shape)
+        words = f"[{', '.join(f'{part + 0.0:.4g}' for part in vector)}] N on {force.on}"
+        if force.pressure is not None:
+            words += f", {force.pressure:.4g} Pa on its {force.face}"
+        if force.ramp is not None:
+            words += f", grows from {force.ramp[0]:g} to {force.ramp[1]:g} s"
+        if force.table is not None:
+            words += f", times a table up to {force.settled:g} s"
+        lines.append((f"force {force.name}", words))
     return lines
 
 

@@ -191,7 +191,8 @@ class RigidRun:
         rows = outcome.rows[:, self._columns]
         # What was met in a step that was not finished is no part of the run.
         reached = self._now if not len(rows) else float(outcome.rows[-1, self._run_columns.time_s])
-        context.recorder.add(rows, [m for m in outcome.met if m.time_s <= reached * (1 + 1e-9)])
+        met = [m for m in outcome.met if m.time_s <= reached * (1 + 1e-9)]
+        context.recorder.add(rows, met, outcome.events)
         number = np.arange(self._steps + 1, self._steps + 1 + len(rows))
         kept = number % self._scene.output.history_every == 0
         context.history.extend(rows[kept])

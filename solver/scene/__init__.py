@@ -8,7 +8,9 @@ from solver.scene.block import BlockSpec
 from solver.scene.contact import Bed, ContactSpec, FrictionSpec, PairSpec
 from solver.scene.damping import DampingSpec
 from solver.scene.feet import EvenFeetSpec, FootSpec
+from solver.scene.force import ForceSpec
 from solver.scene.foundation import FoundationSpec, Platform
+from solver.scene.link import LinkSpec
 from solver.scene.mass import PartSpec
 from solver.scene.motion import MotionSpec
 from solver.scene.output import OutputSpec
@@ -26,8 +28,10 @@ __all__ = [
     "Dimension",
     "EvenFeetSpec",
     "FootSpec",
+    "ForceSpec",
     "FoundationSpec",
     "FrictionSpec",
+    "LinkSpec",
     "MotionSpec",
     "OutputSpec",
     "PairSpec",

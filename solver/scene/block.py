@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import Annotated, Any, Literal
@@ -33,6 +32,7 @@ from solver.scene.mass import (
     refuse_uneven,
 )
 from solver.scene.material import Material, Plane
+from solver.scene.names import refuse_name
 from solver.scene.quantities import (
     Cell,
     Cells,
@@ -53,12 +53,6 @@ from solver.scene.quantities import (
     Vector,
 )
 from solver.scene.shape import Given, ShapeSpec, Sizes, block_of, own_keys, solid_of
-
-# Names that mean something else in key paths or in the columns of a history.
-RESERVED = (
-    *("foundation", "contact", "pair", "damping", "motion", "time", "output"),
-    *("base", "platform", "plate", "frame", "energy"),
-)
 
 #: The key that a block without elastic constants needs.
 RIGID_MODEL = 'model = "rigid"'
@@ -166,9 +160,7 @@ class BlockSpec(Checked):
 
     def check(self) -> None:
         """Refuse values that do not go together."""
-        if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_-]{0,99}", self.name) or self.name in RESERVED:
-            allowed = f"a letter, then letters, digits, _, -, 100 in all; not {', '.join(RESERVED)}"
-            raise SceneError("name", shown(self.name), allowed)
+        refuse_name(self.name)
         self._check_place()
         self._check_lengths()
         self._check_mass()

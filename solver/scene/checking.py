@@ -137,7 +137,7 @@ def key_of(field: dataclasses.Field[Any]) -> str:
     return str(field.metadata.get("key", field.name))
 
 
-def _choices(hint: Any) -> list[Any]:
+def choices_of(hint: Any) -> list[Any]:
     """The members of a union without None, else the type alone."""
     union = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
     return [choice for choice in union if choice is not NoneType]
@@ -145,7 +145,7 @@ def _choices(hint: Any) -> list[Any]:
 
 def _nested(hint: Any, value: Any, where: str) -> Any:
     """Tables inside a table; other values are left for `_checked`."""
-    choices = _choices(hint)
+    choices = choices_of(hint)
     tables = [choice for choice in choices if dataclasses.is_dataclass(choice)]
     if tables and (isinstance(value, Mapping) or len(tables) == len(choices)):
         return _table(tables, value, where)
@@ -156,18 +156,21 @@ def _nested(hint: Any, value: Any, where: str) -> Any:
     if not isinstance(value, list):
         raise SceneError(where, shown(value), f"an array of tables, [[{where}]]")
     # A member of an array of tables is addressed by its name or names, here as in overrides.
-    return tuple(from_table(item, entry, _name(entry, where)) for entry in value)
+    cls: Any = item
+    named = any(key_of(field) == "name" for field, _ in fields_of(cls))
+    return tuple(from_table(item, entry, _name(entry, where, named=named)) for entry in value)
 
 
-def _name(entry: Any, where: str) -> str:
+def _name(entry: Any, where: str, *, named: bool) -> str:
     """The name of a member of the array of tables `where`; without a valid one, that of all.
 
-    A member that is `between` two bodies has both names behind that of the array.
+    A member that is `between` two bodies and has no key for a name has both names behind that of
+    the array.
     """
     if not isinstance(entry, Mapping):
         return where
     names = entry.get("between")
-    if isinstance(names, list) and len(names) == 2 and all(map(_is_name, names)):
+    if not named and isinstance(names, list) and len(names) == 2 and all(map(_is_name, names)):
         return ".".join([where, *names])
     name = entry.get("name")
     return name if _is_name(name) else where
@@ -197,7 +200,7 @@ def _defaults(cls: Any) -> Iterator[tuple[str, Any]]:
 
 def _words(hint: Any, name: str) -> str:
     """The values that a field may have, in words."""
-    choices = _choices(hint)
+    choices = choices_of(hint)
     if all(get_origin(choice) is tuple for choice in choices):
         items = [get_args(choice) for choice in choices]
         if dataclasses.is_dataclass(items[0][0]):
@@ -205,7 +208,8 @@ def _words(hint: Any, name: str) -> str:
         if items[0][-1] is Ellipsis:
             return f"an array, each {_words(items[0][0], name)}"
         lengths = " or ".join(str(len(item)) for item in items)
-        return f"{lengths} values, each {_words(items[0][0], name)}"
+        words = list(dict.fromkeys(_words(item, name) for item in items[0]))
+        return f"{lengths} values, {'each ' * (len(words) == 1)}{' and '.join(words)}"
     return " or ".join(dict.fromkeys(_words_of_one(choice, name) for choice in choices))
 
 
@@ -224,7 +228,7 @@ def _words_of_one(hint: Any, name: str) -> str:
 
 def _checked(hint: Any, value: Any, name: str) -> Any:
     """A value brought to the type of its field, or a SceneError."""
-    choices = _choices(hint)
+    choices = choices_of(hint)
     if isinstance(value, list | tuple):
         return _checked_tuple(choices, value, _words(hint, name), name)
     for choice in choices:

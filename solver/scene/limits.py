@@ -13,6 +13,7 @@ from geometry.density import LinearDensity
 from solver.errors import SceneError
 from solver.scene.block import BlockSpec
 from solver.scene.contact import Bed, ContactSpec
+from solver.scene.link import LinkSpec
 from solver.scene.material import Material
 from solver.scene.quantities import Dimension
 
@@ -43,6 +44,13 @@ of the block: a block that rocks there still turns about its corners."""
 LARGEST_ASPECT = 100.0
 """Largest length over width of the cell at a bottom corner. When the contact force moves from one
 face of a longer cell to the other, the stiffness jumps so much that energy is gained."""
+
+LEAST_STRETCH = 1e-12
+"""Least extension of a link by the weight of its lighter body, over the half diagonal of that:
+tensions were wrong by 1e-7 at 1e-10, and by 1e-2 at 1e-12."""
+
+EARTH = 9.81
+"""Gravity of the earth, m/s2."""
 
 LARGEST_CONTACT_ENERGY = 2e-5
 """For theta 0 and -1, largest energy of contact of a corner on which all the weight stands, over
@@ -220,3 +228,24 @@ def corner_cell(block: BlockSpec, dimension: Dimension) -> list[float]:
     parts = [graded_to_both_ends(count, block.refinement)[1] for count in along]
     parts.append(graded(upwards, block.refinement)[1])
     return [side * float(part) for side, part in zip(sides, parts, strict=True)]
+
+
+def refuse_stiff_links(
+    links: Sequence[LinkSpec], blocks: Sequence[BlockSpec], gravity: float
+) -> None:
+    """Refuse links so stiff that what loads them is lost in the round-off of places.
+
+    Gravity is that of the scene, m/s2; without any, that of the earth.
+    """
+    known = {block.name: block for block in blocks}
+    for link in links:
+        ends = [known[name] for name in link.between if name in known]
+        block = min(ends, key=lambda each: each.shape.mass)
+        weight = block.shape.weight(gravity or EARTH)
+        most = weight / (LEAST_STRETCH * block.shape.half_diagonal)
+        for key in ("stiffness", "shear_stiffness"):
+            value = getattr(link, key)
+            if value is not None and value > most:
+                got = f"{value:g}, stretched {weight / value:.2g} m by the weight of {block.name}"
+                allowed = f"{key} <= {most:.3g}: beyond, places have no digits for it"
+                raise SceneError(f"{link.name}.{key}", got, allowed)

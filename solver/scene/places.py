@@ -19,8 +19,11 @@ from geometry.arrangement import (
 from geometry.boxes import Boxes, overlap_depth
 from geometry.convex import Convex
 from geometry.solid import common_depth, hull
-from solver.errors import Statement
+from solver.errors import SceneError, Statement
 from solver.scene.block import BlockSpec
+from solver.scene.checking import shown
+from solver.scene.laws import GROUND
+from solver.scene.link import LinkSpec
 from solver.scene.quantities import Dimension
 from solver.types import Array
 
@@ -206,3 +209,45 @@ def _parts(spec: BlockSpec, pose: Pose, dimension: Dimension) -> Sequence[Convex
     solid = spec.shape.solid or hull(spec.shape.corners(dimension))
     at_origin = [part.moved(-pose.about).rotated(pose.rotation) for part in solid.parts]
     return [part.moved(pose.place) for part in at_origin]
+
+
+def link_ends(link: LinkSpec, placed: Mapping[str, Pose]) -> tuple[Array, Array]:
+    """Places of the ends of a link at the start, (d,), m.
+
+    `placed` has the rigid motions of `poses`, and that of the foundation where it is not at 0.
+    """
+    here = {GROUND: level(np.zeros(len(link.at)))} | dict(placed)
+    first = here[link.between[0]](np.array([link.at]))[0]
+    if link.to is None:
+        return first, first
+    return first, here[link.between[1]](np.array([link.to]))[0]
+
+
+def second_is_above(link: LinkSpec, placed: Mapping[str, Pose]) -> bool:
+    """True if its second body is not lower than the first at the start, by their bottoms."""
+    first, second = (
+        -np.inf if name == GROUND else placed[name](np.zeros((1, len(link.at))))[0, -1]
+        for name in link.between
+    )
+    return bool(second >= first)
+
+
+def refuse_links(
+    links: Sequence[LinkSpec], placed: Mapping[str, Pose], dimension: Dimension
+) -> None:
+    """Refuse axial links without a length, and twist-locks of bodies side by side.
+
+    Raises:
+        SceneError: Names the link.
+    """
+    for link in links:
+        first, second = link_ends(link, placed)
+        apart, size = float(np.linalg.norm(second - first)), max(1.0, *np.abs(first))
+        if link.is_axial and apart <= ROUND_OFF * size:
+            got = f"{shown(link.to)}, the place of the other end"
+            raise SceneError(f"{link.name}.to", got, f"a place away from it: {link.kind} is axial")
+        if link.pulls and not link.is_axial and GROUND not in link.between:
+            levels = [placed[name](np.zeros((1, dimension)))[0, -1] for name in link.between]
+            if abs(levels[0] - levels[1]) <= ROUND_OFF * size:
+                what = f"{shown(link.between)}, side by side"
+                raise SceneError(f"{link.name}.between", what, "one block above the other")

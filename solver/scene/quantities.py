@@ -83,6 +83,7 @@ _SIZES = Extremes(1e-6, 1e6, "m, whose fifth powers are moments of inertia")
 _PLACES = Extremes(0.0, 1e6, "m, beyond which places lose the digits of gaps")
 _WEIGHTS = Extremes(1e-9, 1e15, "beyond which weights lose their digits")
 _TURNS = Extremes(1e-24, 1e30, "kg m2, beyond which moments of inertia lose their digits")
+_FORCES = Extremes(0.0, 1e15, "beyond which forces lose their digits")
 _STEPS = Extremes(1e-9, 1e9, "s, beyond which times lose the digits of steps")
 _INSTANTS = Extremes(0.0, _STEPS.most, _STEPS.reason)
 _RATES = Extremes(1e-6, 1e6, "1/s; steps have to see its period")
@@ -124,11 +125,22 @@ Modulus = Annotated[float, Number(above=0, extremes=_MODULI, powers=_STRESS)]
 Cohesion = Annotated[float, Number(at_least=0, powers=_STRESS)]
 Spring = Annotated[float, Number(above=0, powers=(1.0, 2.0))]
 Bedding = Annotated[float, Number(above=0, powers=(1.0, 0.0))]
+Gap = Annotated[float, Number(at_least=0, extremes=_PLACES, powers=_LENGTH)]
+Dashpot = Annotated[float, Number(at_least=0, extremes=_FORCES, powers=(1.0, 2.5))]
+"""N s/m."""
+Push = Annotated[float, Number(extremes=_FORCES, powers=_MASS)]
+"""A component of a force, N: accelerations stay, so that forces go as masses do."""
+Preload = Annotated[float, Number(at_least=0, extremes=_FORCES, powers=_MASS)]
+Strength = Annotated[float, Number(above=0, extremes=_FORCES, powers=_MASS)]
+Pressure = Annotated[float, Number(extremes=_FORCES, powers=_STRESS)]
 
 Speed = Annotated[float, Number(powers=_TIME)]
 Spin = Annotated[float, Number(powers=_RATE)]
 Position: TypeAlias = tuple[Place, Place] | tuple[Place, Place, Place]
 Vector: TypeAlias = tuple[Speed, Speed] | tuple[Speed, Speed, Speed]
+Forces: TypeAlias = tuple[Push, Push] | tuple[Push, Push, Push]
+Course: TypeAlias = tuple[tuple[Instant, Factor], ...]
+"""Instants and factors there."""
 Rotation: TypeAlias = Spin | tuple[Spin, Spin, Spin]
 """A rotation or its rate; in the plane one number."""
 Row: TypeAlias = tuple[Product, Product, Product]

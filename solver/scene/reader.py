@@ -18,6 +18,9 @@ from solver.scene.scene import Scene
 BARE = r"[-+]?(?:\.\d+|\d+\.)(?:[eE][-+]?\d+)?"
 """Numbers that have no digit before or after their point, which TOML does not allow."""
 
+NAMED = ("block", "link", "force")
+"""The arrays of tables whose members are addressed by their names."""
+
 STANDARD_INPUT = Path("-")
 """The name of a scene that stands for the standard input."""
 
@@ -27,8 +30,8 @@ def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
 
     Args:
         path: The TOML file; "-" is the standard input.
-        overrides: Such as `"block.height=1.2"`; a block is addressed by its name, and a pair by
-            both, as in `"pair.lower.upper.friction=0.4"`.
+        overrides: Such as `"block.height=1.2"`; a block, a link or a force is addressed by its
+            name, and a pair by both, as in `"pair.lower.upper.friction=0.4"`.
 
     Raises:
         SceneError: It cannot be read, or is no scene; names key or file.
@@ -173,17 +176,18 @@ def _toml_value(text: str) -> Any:
 def _override(tables: dict[str, Any], text: str, known: Sequence[str]) -> None:
     """Set one value, `path=value`, in the tables of a scene.
 
-    A block is addressed by its name, and a pair by both names; it is added if it is not there.
+    A block, a link and a force are addressed by their names, and a pair by both names; it is added
+    if it is not there.
     """
     path, equals, value = text.partition("=")
     *parents, key = [part.strip() for part in path.split(".")]
     if not equals or not key or not all(parents):
         raise SceneError("--set", shown(text), "path=value, such as block.height=1.2")
-    blocks = _blocks(tables)
-    allowed = [*blocks, *(key for key in known if key != "block")]
+    members = _members(tables)
+    allowed = [*members, *(key for key in known if key not in NAMED)]
     table: Any = tables
-    if parents and parents[0] in blocks:
-        table = blocks[parents.pop(0)]
+    if parents and parents[0] in members:
+        table = members[parents.pop(0)]
     elif parents and parents[0] == "pair":
         if len(parents) < 3:
             raise SceneError(f"--set {path}", shown(value), "pair.NAME.NAME.key=value")
@@ -198,11 +202,15 @@ def _override(tables: dict[str, Any], text: str, known: Sequence[str]) -> None:
     table[key] = _toml_value(value.strip())
 
 
-def _blocks(tables: dict[str, Any]) -> dict[str, dict[str, Any]]:
-    """The tables of the blocks by name."""
-    entries = tables.get("block")
-    entries = entries if isinstance(entries, list) else []
-    return {str(entry.get("name", "block")): entry for entry in entries if isinstance(entry, dict)}
+def _members(tables: dict[str, Any]) -> dict[str, dict[str, Any]]:
+    """The tables of blocks, links and forces by name."""
+    found: dict[str, dict[str, Any]] = {}
+    for kind in NAMED:
+        entries = tables.get(kind)
+        for entry in entries if isinstance(entries, list) else []:
+            if isinstance(entry, dict):
+                found.setdefault(str(entry.get("name", kind)), entry)
+    return found
 
 
 def _pair(tables: dict[str, Any], names: list[str]) -> dict[str, Any]:

@@ -10,10 +10,11 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, get_args, get_origin
 
-from solver.scene.checking import fields_of, key_of
+from solver.scene.checking import choices_of, fields_of, key_of
 from solver.scene.quantities import Number, number_of
 from solver.scene.scene import Scene
 
@@ -75,16 +76,29 @@ def _scaled(spec: Any, scale: Scale) -> dict[str, Any]:
     cls: Any = type(spec)
     pairs = ((field, hint, getattr(spec, field.name)) for field, hint in fields_of(cls))
     return {
-        key_of(field): _value(value, scale, number_of(hint))
+        key_of(field): _value(value, scale, hint)
         for field, hint, value in pairs
         if value is not None and value != ()
     }
 
 
-def _value(value: Any, scale: Scale, quantity: Number | None) -> Any:
-    """A value of a table at another scale."""
+def _value(value: Any, scale: Scale, hint: Any) -> Any:
+    """A value of a table at another scale, by its type."""
     if dataclasses.is_dataclass(value):
         return _scaled(value, scale)
     if isinstance(value, tuple):
-        return [_value(item, scale, quantity) for item in value]
+        items = zip(value, _items(hint, len(value)), strict=True)
+        return [_value(item, scale, own) for item, own in items]
+    quantity = number_of(hint)
     return value * scale.of(quantity) if quantity and isinstance(value, float) else value
+
+
+def _items(hint: Any, count: int) -> Sequence[Any]:
+    """The types of so many members of an array, by its own."""
+    for choice in choices_of(hint):
+        items = get_args(choice) if get_origin(choice) is tuple else ()
+        if items and items[-1] is Ellipsis:
+            return [items[0]] * count
+        if len(items) == count:
+            return items
+    return [hint] * count

@@ -14,8 +14,10 @@ from solver.scene.block import BlockSpec
 from solver.scene.checking import OPEN, Checked, is_open, nearest, shown, to_table
 from solver.scene.contact import Bed, ContactSpec, FrictionSpec, PairSpec
 from solver.scene.damping import DampingSpec
+from solver.scene.force import ForceSpec
 from solver.scene.foundation import FoundationSpec, FrameSpec, PlateSpec, Platform, RigidSpec
 from solver.scene.laws import Law, Laws
+from solver.scene.link import LinkSpec
 from solver.scene.material import Plane
 from solver.scene.motion import MotionSpec
 from solver.scene.output import OutputSpec
@@ -36,7 +38,7 @@ RIGID = 'model = "rigid" for every block, no meshed foundation'
 """The remedy where the engine of meshed bodies cannot do what a key says."""
 
 UNMESHED = f"scenes in which nothing is meshed only: {RIGID}"
-"""The scenes to which a restitution applies."""
+"""The scenes to which restitutions, links and forces apply."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,6 +64,10 @@ class Scene(Checked):
     """`[contact]`, below. Default: its defaults."""
     pairs: tuple[PairSpec, ...] = field(default=(), metadata={"key": "pair"})
     """`[[pair]]`, below. Default: none."""
+    links: tuple[LinkSpec, ...] = field(default=(), metadata={"key": "link"})
+    """`[[link]]`, below. Default: none."""
+    forces: tuple[ForceSpec, ...] = field(default=(), metadata={"key": "force"})
+    """`[[force]]`, below. Default: none."""
     damping: DampingSpec | None = None
     """`[damping]`, below, of bodies that do not have their own. Default: elastic blocks have [2 %
     of critical](#default-damping), and meshed foundations none."""
@@ -106,6 +112,11 @@ class Scene(Checked):
             from solver.scene.places import refuse_places  # needs numpy, other scenes do not
 
             refuse_places(self.order, self.dimension, self.foundation.top)
+        if self.links:
+            from solver.scene.places import refuse_links
+
+            refuse_links(self.links, self.poses(), self.dimension)
+            limits.refuse_stiff_links(self.links, self.blocks, self.gravity)
         self.check_limits(shaking=0.0)
 
     def _each_block(self, change: Callable[[BlockSpec], BlockSpec]) -> tuple[BlockSpec, ...]:
@@ -121,30 +132,45 @@ class Scene(Checked):
         names = [block.name for block in self.blocks]
         if not names:
             raise SceneError("block", "0 blocks", "one block or more, [[block]]")
-        twice = next((name for name in names if names.count(name) > 1), None)
-        if twice is not None:
-            raise Statement("two blocks", f'are named "{twice}"; give each block a name of its own')
+        self._check_unique()
         for block in self.blocks:
             carriers = ["foundation", *(name for name in names if name != block.name)]
             for name in block.carriers:
-                if name not in carriers:
-                    allowed = " or ".join(map(shown, carriers))
-                    meant = nearest(name, carriers)
-                    raise SceneError(f"{block.name}.on", shown(name), allowed, meant)
+                _refuse_unknown(f"{block.name}.on", name, carriers)
         self._check_pairs(["foundation", *names])
+        self._check_joined(names)
+
+    def _check_unique(self) -> None:
+        """No two of blocks, links and forces have one name."""
+        seen: dict[str, str] = {}
+        kinds = (("block", self.blocks), ("link", self.links), ("force", self.forces))
+        for kind, name in ((kind, member.name) for kind, all_ in kinds for member in all_):
+            if name in seen:
+                both = f"two {kind}s" if seen[name] == kind else f"a {seen[name]} and a {kind}"
+                raise Statement(both, f'are named "{name}"; give each {kind} a name of its own')
+            seen[name] = kind
 
     def _check_pairs(self, names: Sequence[str]) -> None:
         """Every pair is of two bodies that are there, and stands there once."""
         seen = set()
         for pair in self.pairs:
             for name in pair.between:
-                if name not in names:
-                    allowed = " or ".join(map(shown, names))
-                    where = f"{pair.where}.between"
-                    raise SceneError(where, shown(name), allowed, nearest(name, names))
+                _refuse_unknown(f"{pair.where}.between", name, names)
             if frozenset(pair.between) in seen:
                 raise Statement(pair.where, "is there twice; give each pair one table")
             seen.add(frozenset(pair.between))
+
+    def _check_joined(self, names: Sequence[str]) -> None:
+        """Every link and every force is on bodies that are there, in this dimension."""
+        for link in self.links:
+            with below(link.name):
+                for name in link.between:
+                    _refuse_unknown("between", name, ["foundation", *names])
+                link.refuse_elsewhere(self.dimension)
+        for force in self.forces:
+            with below(force.name):
+                _refuse_unknown("on", force.on, names)
+                force.refuse_elsewhere(self.dimension)
 
     def _thickness(self) -> float:
         """Thickness of the lowest block, m; in the plane all bodies are equally thick."""
@@ -193,6 +219,9 @@ class Scene(Checked):
         if self.contact.damping and self.contact.stiffness is None and rigid is not None:
             what = f"beside contact.damping, since {rigid} is rigid (stiffness > 0, Pa/m)"
             raise missing_key("contact.stiffness", what)
+        for key, members in (("link", self.links), ("force", self.forces)):
+            if members and not self.is_rigid:
+                raise not_applicable(f"{key} {members[0].name}", UNMESHED)
         if self.time.adaptive and self.is_rigid:
             # Their steps are cut where bodies touch and where slips end, whatever `step` is.
             raise not_applicable("time.adaptive", "scenes with meshed bodies only")
@@ -429,6 +458,12 @@ class Scene(Checked):
                 left = max(left, damping.left(self.bending_frequency(block), time))
         return left
 
+    def link_period(self, link: LinkSpec) -> float:
+        """Natural period of the bodies of a link on its spring alone, s; the foundation is held."""
+        masses = [block.shape.mass for block in self.blocks if block.name in link.between]
+        stiffness = max(link.stiffness, link.shear_stiffness or 0.0)
+        return 2 * math.pi / math.sqrt(stiffness * sum(1 / mass for mass in masses))
+
     @property
     def laws(self) -> Laws:
         """Laws of contact of any two bodies."""
@@ -471,3 +506,9 @@ class Scene(Checked):
     def to_dict(self) -> dict[str, Any]:
         """The scene as plain tables, every default written out."""
         return to_table(self)
+
+
+def _refuse_unknown(where: str, name: str, names: Sequence[str]) -> None:
+    """Refuse the name of a body that is not there."""
+    if name not in names:
+        raise SceneError(where, shown(name), " or ".join(map(shown, names)), nearest(name, names))

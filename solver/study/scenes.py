@@ -97,6 +97,13 @@ def refuse_uneven(scene: Scene, what: str) -> None:
                 raise SceneError(f"{block.name}.{key}", "an uneven block", f"none {what}")
 
 
+def refuse_joined(scene: Scene) -> None:
+    """Refuse links and forces: SceneError."""
+    for key, members in (("link", scene.links), ("force", scene.forces)):
+        if members:
+            raise SceneError(key, members[0].name, "none in this study")
+
+
 def refuse_others(scene: Scene) -> None:
     """Refuse what is not one upright block at rest on firm ground in the plane: SceneError."""
     if scene.dimension != 2:
@@ -110,6 +117,7 @@ def refuse_others(scene: Scene) -> None:
         raise SceneError("gravity", "an incline, or none", "vertical gravity > 0 in this study")
     if block.position is not None:
         raise SceneError(f"{block.name}.position", "a place in the air", "offset in this study")
+    refuse_joined(scene)
     if scene.pairs:
         raise SceneError("pair", scene.pairs[0].where, f"keys of {block.name} in this study")
     if block.tilt or any(block.velocity) or block.angular_velocity:

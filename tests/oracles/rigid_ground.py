@@ -65,6 +65,11 @@ ROCK = -0.004 * 0.75 * own.G * (0.5 * 0.5 - 0.125) / (0.125**2 + 0.25)
 SLIDE_ROCK = -0.004 * 3 * own.G * (0.28 * 4 - 1) / (0.125 * (4 + 16 - 3 * 0.28 * 4))
 THRESHOLD = "nonlinear threshold 1.8015 g tan alpha at omega/p 2"
 MOON = math.sqrt(own.G / 1.62)
+HANGS = {"between": ["block", "foundation"], "at": [0.0, 0.5], "to": [0.0, 5.0], "stiffness": 1e5}
+WAX = {**HANGS, "kind": "wax", "at": [0.0, 0.0], "strength": 1e3, "stiffness": 1e8}
+WAX = {key: value for key, value in WAX.items() if key != "to"}
+FORCE = {"on": "block", "at": [0.0, 0.0], "force": [6e3, 0.0], "ramp": [0.0, 1.0]}
+WIND = {"on": "block", "face": "left", "ramp": [0.0, 0.5]}
 
 # fmt: off
 ORACLES = [
@@ -147,4 +152,16 @@ ORACLES = [
             holds("c A + mu m g > m a", 1e-10)),
         ("vertical motion, slides", BOTH, slides(
             2e-3, 0.3, 1.0, ground=own.sine(0.5, 1.0, 0.5), vertical=own.sine(0.4, 0.25))))),
+    *(Oracle(name, SQUAT, changes, numbers) for name, changes, numbers in (
+        ("hangs on a spring", {"block.position": [0.0, 2.0], "link": [HANGS]}, {
+            "links.link.peak_extension_m": closed(2e4 * own.G / 1e6, "2 m g/k", rel=1e-4),
+            "last link.force_N": closed(
+                1000 * own.G * (1 - math.cos(10.0 * 1.0)), "m g (1 - cos(omega t))", rel=1e-3)}),
+        ("wax beside friction", {"link": [WAX], "force": [FORCE]}, {
+            "links.link.broke_at_s": closed(
+                (0.3 * 1000 * own.G + 1000) / 6000, "F = mu m g + strength", abs=2e-3)}),
+        ("wind below friction", {"force": [{**WIND, "pressure": 5.85e3}]},
+            {"block.mode": word("rest", "p H t < mu m g")}),
+        ("wind above friction", {"force": [{**WIND, "pressure": 5.92e3}], "time.end": 4.0},
+            {"block.mode": word("slide", "p H t > mu m g")}))),
 ]

@@ -146,3 +146,40 @@ def test_meshed_neighbours_collide_on_two_ranks_as_on_one(tmp_path: Path) -> Non
         for column in ("angle_rad", "slip_m", "centre_x_m", "centre_y_m"):
             key = f"{name}.{column}"
             np.testing.assert_allclose(many[key][rows], one[key][rows], rtol=0, atol=1e-8)
+
+
+LINKED = """
+[[block]]
+model = "rigid"
+width = 0.25
+height = 1.0
+mass = 500.0
+[[link]]
+name = "wire"
+kind = "tether"
+between = ["block", "foundation"]
+at = [-0.125, 0.0]
+to = [-0.125, -1.0]
+stiffness = 1e5
+strength = 800.0
+[[force]]
+on = "block"
+at = [0.0, 1.0]
+force = [1000.0, 0.0]
+ramp = [0.0, 1.0]
+[time]
+end = 1.0
+step = 1.0e-3
+"""
+
+
+@pytest.mark.mpi
+def test_linked_blocks_are_the_same_on_two_ranks_to_the_byte(tmp_path: Path) -> None:
+    (tmp_path / "scene.toml").write_text(LINKED, encoding="utf-8")
+    for ranks in (1, 2):
+        done = rockslip_on(ranks, tmp_path, "-o", f"ranks{ranks}")
+        assert done.returncode == 0, done.stderr
+    for name in ("history.csv", "events.csv"):
+        one, two = ((tmp_path / f"ranks{ranks}" / name).read_bytes() for ranks in (1, 2))
+        assert one == two
+    assert b",break,block,foundation,wire," in one

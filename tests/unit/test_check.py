@@ -68,6 +68,13 @@ CASES: dict[str, list[str]] = {
     "two records": [f"motion={{{RECORD}, vertical={{{RECORD}, scale=-0.5, start=0.0123}}}}"],
     "steps beside samples": [f"motion={{{RECORD}}}", "time.step=0.003"],
     "a table": ["motion={kind='table', file='table.csv'}"],
+    "a rigid block that is held and pushed": [
+        *("block.model=rigid", "block.tilt_deg=0", "time.step=0.01"),
+        "link=[{name='wire', kind='lashing', between=['block', 'foundation'], at=[0.125, 1.0],"
+        " to=[0.5, 0.0], stiffness=1e6, preload=1e3, yield=2e3}, {name='wax', kind='wax',"
+        " between=['block', 'foundation'], at=[0.0, 0.0], stiffness=1e6, strength=5e3}]",
+        "force=[{name='wind', on='block', face='right', pressure=500.0, ramp=[0.0, 1.0]}]",
+    ],
     "a wavelet": ["motion={kind='ricker', amplitude_g=0.2, frequency=2}", "gravity=1.62"],
 }
 """Overrides of the paper's block; the record is 1 m/s2 for 4 s, so that its measures are known."""

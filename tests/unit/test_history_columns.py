@@ -22,6 +22,7 @@ def test_parts_of_a_row_lie_where_the_names_are(dimension: int, platform: bool) 
         vertical=True,
         second=dimension == 3,
         structure=Structure(storeys=2, columns=3) if platform else None,
+        links={"wire": True, "wax": True},
     )
     layout = row_layout(3, dimension=dimension, platform=platform)
     storeys = layout.foundation + len(positions("foundation", dimension))
@@ -34,6 +35,9 @@ def test_parts_of_a_row_lie_where_the_names_are(dimension: int, platform: bool) 
     ]
     starts["column"] = [feet + len(positions("column", dimension)) * k for k in range(3 * platform)]
     starts["block"] = [layout.block + layout.stride * b for b in range(3)]
+    ends = feet + 3 * len(positions("column", dimension))
+    ends = ends if platform else layout.foundation
+    starts["link"] = [ends + len(positions("link", dimension)) * k for k in range(2)]
     found = {}
     for column in TABLE:
         if column.dimension not in (None, dimension):
@@ -42,8 +46,19 @@ def test_parts_of_a_row_lie_where_the_names_are(dimension: int, platform: bool) 
         for number, start in enumerate(starts[column.part]):
             name = column.name.replace("NAME", blocks[number])
             name = name.replace("STOREY", f"foundation.storey_{number + 1}")
+            name = name.replace("LINK", ["wire", "wax"][number % 2])
             found[start + place] = name.replace("COLUMN", f"foundation.column_{number + 1}")
     assert tuple(found[k] for k in sorted(found)) == names
+
+
+def test_an_axial_link_has_no_columns_of_shear() -> None:
+    names = columns(["a"], dimension=3, links={"wire": False, "wax": True})
+    axial = ["force_N", "extension_m", "state"]
+    shear = ["shear_force_N", "shear_force_second_N"]
+    assert names[-8:] == (
+        *(f"wire.{name}" for name in axial),
+        *(f"wax.{name}" for name in (axial[0], *shear, *axial[1:])),
+    )
 
 
 def test_every_name_ends_with_its_unit() -> None:

@@ -45,9 +45,14 @@ def told() -> tuple[Result, Told]:
     pieces: Told = []
     add = Recorder.add
 
-    def note(self: Recorder, rows: Array, met: Sequence[Meeting] = ()) -> None:
+    def note(
+        self: Recorder,
+        rows: Array,
+        met: Sequence[Meeting] = (),
+        happened: Sequence[Event] = (),
+    ) -> None:
         pieces.append((rows.copy(), met))
-        add(self, rows, met)
+        add(self, rows, met, happened)
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Recorder, "add", note)

@@ -51,7 +51,33 @@ damping_ratio = 0.05
 cells = { bay = 4, column = 1, deck = 1, storey = 2 }
 """
 
+LINKS = """
+[[link]]
+name = "wire"
+kind = "tether"
+between = ["block", "foundation"]
+at = [-0.125, 0.0]
+to = [-0.3, -1.0]
+stiffness = 1e5
+damping = 1e2
+yield = 200.0
+[[link]]
+name = "dab"
+kind = "wax"
+between = ["foundation", "block"]
+at = [0.0, 0.0]
+stiffness = 1e6
+strength = 1500.0
+[[force]]
+name = "push"
+on = "block"
+at = [0.0, 1.0]
+force = [600.0, 0.0]
+table = [[0.05, 0.0], [0.1, 1.0], [0.2, -1.0]]
+"""
+
 SCENES = {
+    "rigid, linked": RIGID + LINKS + SHAKEN + STEPS,
     "rigid, plane": RIGID + "tilt_deg = 1.0\n" + SHAKEN + STEPS,
     "rigid, plane, stack on platform": RIGID + UPPER + OSCILLATOR + SHAKEN + STEPS,
     "rigid, space": "dimension = 3\n" + RIGID + "tilt_deg = 1.0\n" + SHAKEN + STEPS,
@@ -252,7 +278,7 @@ def test_the_format_goes_with_the_fields_of_the_types() -> None:
     world = (Path(__file__).parents[2] / "solver" / "kernels" / "world.hpp").read_text()
     fields += "\n".join(re.findall(r"archive[.(].*", world))
     digest = hashlib.sha256(fields.encode()).hexdigest()[:16]
-    assert (FORMAT, digest) == (18, "2767b32a6b053925"), fields
+    assert (FORMAT, digest) == (19, "3defa49aae59f0d8"), fields
 
 
 class TestRefused:

@@ -119,3 +119,23 @@ def test_what_is_refused(
 ) -> None:
     assert main(["scale", str(granite), *words]) == 2
     assert said in capsys.readouterr().err
+
+
+def test_links_and_forces_go_with_the_scale() -> None:
+    """Stiffness 1/N², forces 1/N³, dashpots 1/N^2.5, pressures 1/N, times 1/sqrt(N)."""
+    link = {"kind": "lashing", "between": ["block", "foundation"], "at": [0.0, 1.0]}
+    link |= {"to": [1.0, 0.0], "stiffness": 2e6, "damping": 30.0, "preload": 5.0, "strength": 1e4}
+    push = {"name": "push", "on": "block", "force": [100.0, 0.0], "table": [[0.5, 2.0], [1.0, 3.0]]}
+    wind = {"name": "wind", "on": "block", "pressure": 50.0, "face": "left", "ramp": [0.0, 0.5]}
+    given = scene(block=[BLOCK | {"model": "rigid"}], link=[link], force=[push, wind])
+    model = parse_scene(scaled_tables(given, Scale(1 / 16), {}))
+    (old,), (new,) = given.links, model.links
+    assert old.to is not None and new.to is not None
+    assert old.to[0] / new.to[0] == pytest.approx(16)
+    assert old.stiffness / new.stiffness == pytest.approx(16**2)
+    assert old.damping / new.damping == pytest.approx(16**2.5)
+    assert (new.preload, new.strength) == pytest.approx((5.0 / 16**3, 1e4 / 16**3))
+    pushed, blown = model.forces
+    assert pushed.force == pytest.approx((100 / 16**3, 0.0))
+    assert pushed.table == pytest.approx(np.array([[0.125, 2.0], [0.25, 3.0]]))
+    assert blown.pressure == pytest.approx(50 / 16) and blown.ramp == pytest.approx((0.0, 0.125))

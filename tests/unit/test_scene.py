@@ -267,6 +267,41 @@ restitution = 0.5
 end = 1.0
 step = 1e-3
 """,
+    "linked": """
+[[block]]
+name = "lower"
+width = 0.5
+height = 0.5
+mass = 100.0
+model = "rigid"
+[[block]]
+name = "upper"
+on = "lower"
+width = 0.5
+height = 0.5
+mass = 100.0
+model = "rigid"
+[[link]]
+name = "wire"
+kind = "tether"
+between = ["upper", "foundation"]
+at = [0.25, 0.5]
+to = [1.0, 0.0]
+stiffness = 1e5
+[[link]]
+name = "lock"
+kind = "twist-lock"
+between = ["lower", "upper"]
+at = [0.25, 0.5]
+stiffness = 1e7
+[[force]]
+name = "push"
+on = "upper"
+force = [100.0, 0.0]
+[time]
+end = 1.0
+step = 1e-3
+""",
 }
 """The scenes of headings of the table that end with these words; else that of a meshed block."""
 SHORT = {

@@ -21,7 +21,7 @@ from solver.scene import parse_scene, scene_to_toml
 from solver.study.inertia.cells import Cell, Structure, cells_of, chosen, ladder, tables_of
 from solver.study.inertia.numbers import Finding, Line, grid, widest
 from solver.study.inertia.sliding import STEPS, fixed_drifts, jumps, peaks
-from solver.study.scenes import Tables, refuse_components, scene_tables
+from solver.study.scenes import Tables, refuse_components, refuse_joined, scene_tables
 from solver.study.study import SUMMARY, Row, Study, digest
 from solver.study.suite.cases import SuiteCase, scene_of
 from solver.study.suite.motions import SuiteMotion, find_motions
@@ -210,6 +210,7 @@ class InertiaStudy(Study[SlidingCase | BlockCase]):
             options.motions, motion, count=count, seed=options.seed
         )
         self.scene = parse_scene(self.tables, folder=path.parent, source=path.name)
+        refuse_joined(self.scene)
         self.by = sorted(set(options.by), reverse=True)
         axes = chosen(options.of)
         self.cells = cells_of(self.scene, axes)

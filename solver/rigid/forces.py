@@ -1,0 +1,62 @@
+"""Forces on rigid blocks: where they act, and what they are at which time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from geometry.arrangement import Pose
+from geometry.block import Block
+from solver.scene.force import NORMALS, ForceSpec
+from solver.types import Array
+
+
+def arm_of(spec: ForceSpec, pose: Pose, shape: Block, centre: Array) -> Array:
+    """Place at which a force acts, about the centre of its block and in its frame, (d,), m.
+
+    Args:
+        spec: The force.
+        pose: From the block's own frame to where it stands at the start.
+        shape: The block.
+        centre: Where its centre is then, m.
+    """
+    d = len(centre)
+    if spec.pressure is not None:
+        own: Array = np.zeros(d)
+        own[-1] = shape.height / 2
+        axis, sense = _normal(spec, d)
+        own[axis] -= sense * shape.half_lengths(d)[axis]
+    elif spec.at is not None:
+        own = np.array(spec.at)
+    else:
+        return np.zeros(d)
+    return np.asarray(pose.rotation.T @ (pose(own[None])[0] - centre))
+
+
+def whole_force(spec: ForceSpec, pose: Pose, shape: Block) -> Array:
+    """The force at factor 1, N, (d,); arguments as for `arm_of`."""
+    if spec.pressure is None:
+        return np.array(spec.force)
+    d = len(pose.place)
+    axis, sense = _normal(spec, d)
+    sides = [shape.width, shape.thickness, shape.height]
+    del sides[axis if d == 3 else 0 if axis == 0 else 2]
+    return np.asarray(spec.pressure * sides[0] * sides[1] * sense * pose.rotation[:, axis])
+
+
+def _normal(spec: ForceSpec, d: int) -> tuple[int, float]:
+    """Axis along which a pressure on a face pushes, and the sense."""
+    assert spec.face is not None
+    axis, sense = NORMALS[spec.face]
+    return axis % d, sense
+
+
+def factors(specs: Sequence[ForceSpec], times: Array) -> Array:
+    """The factors on forces at times (s), (times, forces)."""
+    found = np.ones((len(times), len(specs)))
+    for number, spec in enumerate(specs):
+        rows = spec.table or (((spec.ramp[0], 0.0), (spec.ramp[1], 1.0)) if spec.ramp else ())
+        if rows:
+            found[:, number] = np.interp(times, *np.transpose(rows))
+    return found

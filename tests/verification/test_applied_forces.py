@@ -1,0 +1,152 @@
+"""Forces on rigid blocks: statics, impulses, and wind on containers."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+from rigid import G, run, scene
+
+SLENDER = {"model": "rigid", "width": 0.5, "height": 2.0, "thickness": 0.5, "mass": 500.0}
+WEIGHT = 500.0 * G
+CONTAINER = {"model": "rigid", "width": 2.438, "height": 2.591, "thickness": 6.058, "mass": 2300.0}
+
+
+def push(d: int, along: float, up: float, **more: Any) -> dict[str, Any]:
+    """A force in the plane of x and upwards."""
+    return {"on": "block", "force": [along, *[0.0] * (d - 2), up]} | more
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_a_block_at_rest_takes_a_force_to_the_ground(d: int) -> None:
+    history = run(scene(d, SLENDER, end=0.2, force=[push(d, 800.0, -500.0)])).history
+    assert history["block.normal_force_N"] == pytest.approx(WEIGHT + 500.0, rel=1e-9)
+    assert history["block.friction_force_N"] == pytest.approx(-800.0, rel=1e-9)
+    assert history["energy.input_J"] == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize(("height", "lifts"), [(1.5, 0.25 / 1.5), (2.0, 0.125), (0.5, 0.5)])
+def test_a_ramped_force_lifts_the_block_where_its_moment_is_that_of_the_weight(
+    height: float, lifts: float
+) -> None:
+    """At m g B/(2 h), h being the height of the force."""
+    force = push(2, 0.6 * WEIGHT, 0.0, at=[0.0, height], ramp=[1.0, 11.0])
+    history = run(scene(2, SLENDER, end=11.0, friction=2.0, force=[force])).history
+    first = history["time_s"][np.flatnonzero(history["block.gap_left_m"] > 1e-9)[0]]
+    assert 0.06 * (first - 1.0) == pytest.approx(lifts, abs=6e-4)
+
+
+def test_impulses_of_a_table_are_the_momentum() -> None:
+    """Of a block without friction; its work is its energy."""
+    rows = [[0.1, 0.0], [0.3, 1.0], [0.5, -0.5], [0.6, 0.0]]
+    slick = SLENDER | {"friction": 0.0, "height": 0.2}
+    result = run(scene(2, slick, end=1.0, friction=0.0, force=[push(2, 300.0, 0.0, table=rows)]))
+    history = result.history
+    for n in (300, 500, 1000):
+        time = history["time_s"][: n + 1]
+        impulse = 300.0 * np.trapezoid(np.interp(time, *np.transpose(rows)), time)
+        speed = np.diff(history["block.centre_x_m"])[n - 2 : n].mean() / 1e-3
+        if n == 1000:
+            assert speed == pytest.approx(impulse / 500.0, rel=1e-9)
+        else:
+            assert speed == pytest.approx(impulse / 500.0, abs=1e-3)
+    kinetic = history["energy.kinetic_J"][-1]
+    assert history["energy.input_J"][-1] == pytest.approx(kinetic, rel=1e-9)
+
+
+def test_forces_turn_with_nothing_and_act_where_the_block_takes_them() -> None:
+    """A couple on a free block: it spins faster, then slower, and stays where it is."""
+    free = SLENDER | {"position": [0.0, 5.0]}
+    ends = [
+        push(2, sign * 100.0, 0.0, name=name, at=[0.0, height])
+        for name, sign, height in (("top", 1.0, 2.0), ("bottom", -1.0, 0.0))
+    ]
+    history = run(scene(2, free, end=3.0, gravity=0.0, force=ends)).history
+    assert np.ptp(history["block.centre_x_m"]) < 1e-12
+    inertia = 500.0 * (0.25 + 4.0) / 12
+    spin, angle = history["block.angular_velocity_rad_s"], history["block.angle_rad"]
+    # A couple 2 F (H/2) cos(theta) about the centre: I theta'^2/2 = F H sin(theta).
+    assert 0.5 * inertia * spin**2 == pytest.approx(200.0 * np.sin(angle), abs=1e-3)
+    assert angle.max() > 1.5
+
+
+@pytest.mark.parametrize(
+    ("d", "face", "expected"),
+    [
+        (2, "left", [1.0 * 2.0 * 0.5, 0.0]),
+        (2, "right", [-1.0, 0.0]),
+        (2, "top", [0.0, -0.25]),
+        (3, "front", [0.0, 1.0, 0.0]),
+        (3, "back", [0.0, -1.0, 0.0]),
+        (3, "bottom", [0.0, 0.0, 0.25]),
+        (3, "left", [1.0, 0.0, 0.0]),
+    ],
+)
+def test_a_pressure_pushes_on_its_face(d: int, face: str, expected: list[float]) -> None:
+    """By its area: 2 m high, 0.5 m wide and thick."""
+    given = SLENDER | {"position": [*[0.0] * (d - 1), 5.0]}
+    wind = {"on": "block", "face": face, "pressure": 700.0}
+    history = run(scene(d, given, end=0.1, gravity=0.0, force=[wind])).history
+    axes = "xyz"[:d]
+    moved = [history[f"block.centre_{axis}_m"][-1] for axis in axes]
+    start = [history[f"block.centre_{axis}_m"][0] for axis in axes]
+    way = 0.5 * 700.0 / 500.0 * 0.1**2
+    assert np.subtract(moved, start) == pytest.approx(way * np.array(expected), abs=1e-12)
+    assert np.abs(history["block.angle_rad"]).max() < 1e-14
+
+
+def test_a_pressure_is_normal_to_the_face_of_a_tilted_block() -> None:
+    given = SLENDER | {"position": [0.0, 5.0], "tilt_deg": 30.0}
+    wind = {"on": "block", "face": "left", "pressure": 700.0}
+    history = run(scene(2, given, end=0.1, gravity=0.0, force=[wind])).history
+    way = 0.5 * 700.0 / 500.0 * 0.1**2
+    x, y = (history[f"block.centre_{axis}_m"][-1] for axis in "xy")
+    tilt = math.radians(30.0)
+    assert (x, y - 5.0) == pytest.approx((way * math.cos(tilt), -way * math.sin(tilt)), rel=1e-9)
+
+
+# ------------------------------------------------------------------ wind on containers
+
+
+def pressure(speed: float) -> float:
+    """C rho v²/2 with C = 1.2 and rho = 1.25 kg/m³, Pa."""
+    return 1.2 * 1.25 * speed**2 / 2
+
+
+def locked(count: int) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """Empty containers of 20 feet on one another, and the locks between them."""
+    names = ["foundation", *(f"box{k}" for k in range(count))]
+    boxes = [CONTAINER | {"name": name, "on": below} for below, name in pairwise(names)]
+    lock = {"kind": "twist-lock", "stiffness": 1e8, "damping": 1e5}
+    locks = [
+        lock | {"name": f"{upper}{side}", "between": [lower, upper], "at": [x, 2.591]}
+        for lower, upper in pairwise(names[1:])
+        for side, x in (("left", -1.219), ("right", 1.219))
+    ]
+    return boxes, locks
+
+
+@pytest.mark.parametrize(
+    ("count", "speed", "mode"),
+    [(1, 27.6, "rest"), (1, 27.8, "slide"), (4, 21.1, "rest"), (4, 21.4, "overturned")],
+)
+def test_wind_moves_empty_containers(count: int, speed: float, mode: str) -> None:
+    """One slides at 27.7 m/s with friction 0.4; four that are locked topple at 21.2 m/s."""
+    boxes, locks = locked(count)
+    wind = {"face": "left", "pressure": pressure(speed), "ramp": [0.0, 10.0]}
+    forces = [wind | {"name": f"wind{k}", "on": box["name"]} for k, box in enumerate(boxes)]
+    time = {"end": 40.0, "step": 4e-3, "stop": "overturned"}
+    given = scene(2, *boxes, end=40.0, friction=0.4, force=forces, link=locks, time=time)
+    result = run(given)
+    assert result.summary["blocks"]["box0"]["mode"] == mode
+
+
+def test_the_speeds_are_those_of_statics() -> None:
+    side, weight = 6.058 * 2.591, 2300.0 * G
+    slides = math.sqrt(0.4 * weight / (0.5 * 1.2 * 1.25 * side))
+    topples = math.sqrt(weight * 2.438 / 2 / (2 * 2.591) / (0.5 * 1.2 * 1.25 * side))
+    assert slides == pytest.approx(27.7, abs=0.05)
+    assert topples == pytest.approx(21.2, abs=0.05)
