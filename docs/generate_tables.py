@@ -43,6 +43,7 @@ COLUMNS = {
     "columns of a block in space": lambda column: in_block(column, 3),
     "columns of the platform": lambda column: column.part == "platform",
     "columns of a link": lambda column: column.part == "link",
+    "columns of a foot": lambda column: column.part == "foot",
     "columns of a structure": lambda column: column.part in ("foundation", "storey", "column"),
     "columns of the energies": lambda column: column.part == "energy",
 }

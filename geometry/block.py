@@ -53,6 +53,8 @@ class Block:
     """Its shape in its own frame where it is no box; centre, inertia and base are given, too."""
     bottom: tuple[tuple[float, ...], ...] = ()
     """Corners on which a solid may stand, m; none: the lowest ones."""
+    feet: int = 0
+    """Number of its feet, which are the last ones of its parts."""
 
     def __post_init__(self) -> None:
         """Refuse what is no block."""

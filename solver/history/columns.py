@@ -35,22 +35,25 @@ def columns(
     second: bool = False,
     structure: Structure | None = None,
     links: Mapping[str, bool] | None = None,
+    feet: Mapping[str, int] | None = None,
 ) -> tuple[str, ...]:
     """Names of all columns of the history of a scene, in their order, by the names of its blocks.
 
     `platform`: whether what carries the blocks moves as a whole, and `structure` what it has where
     it is meshed; `vertical`, `second`: whether the ground also moves up and down, or along the
-    second horizontal direction. `links`: of each link by its name whether it acts along axes.
+    second horizontal direction. `links`: of each link by its name whether it acts along axes;
+    `feet`: how many blocks have, by their names.
     """
     links = links or {}
     exists = {"": True, "axes": True, "platform": platform, "vertical": vertical, "second": second}
     exists["structure"] = structure is not None
-    storeys, feet = structure or Structure()
+    storeys, standing = structure or Structure()
     owners: dict[Part, Sequence[str]] = {
         "block": blocks,
         "storey": [f"foundation.storey_{k + 1}" for k in range(storeys)],
-        "column": [f"foundation.column_{k + 1}" for k in range(feet)],
+        "column": [f"foundation.column_{k + 1}" for k in range(standing)],
         "link": list(links),
+        "foot": [f"{name}.foot_{k + 1}" for name, n in (feet or {}).items() for k in range(n)],
     }
     there = [c for c in TABLE if c.dimension in (None, dimension) and exists[c.needs]]
     names: list[str] = []

@@ -49,6 +49,7 @@ def scene_columns(scene: Scene) -> tuple[str, ...]:
         second=motion is not None and motion.second is not None,
         structure=structure_of(scene),
         links={link.name: not link.is_axial for link in scene.links},
+        feet={block.name: block.shape.feet for block in scene.blocks},
     )
 
 

@@ -10,9 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-Part = Literal["run", "block", "platform", "energy", "foundation", "storey", "column", "link"]
+Part = Literal[
+    "run", "block", "platform", "energy", "foundation", "storey", "column", "link", "foot"
+]
 """The parts of a row, which lie one after the other; those of blocks, storeys and columns of a
-frame, and links once for each of them."""
+frame, links, and feet of blocks once for each of them."""
 
 PARTS: dict[str, Part] = {
     "NAME": "block",
@@ -22,13 +24,14 @@ PARTS: dict[str, Part] = {
     "STOREY": "storey",
     "COLUMN": "column",
     "LINK": "link",
+    "FOOT": "foot",
 }
 """The parts by the first word of the names of their columns."""
 
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A column; of a block, storey, column or link where its name begins with a capital word."""
+    """A column; of one of several blocks, storeys and so on where it begins with a capital word."""
 
     name: str
     unit: str
@@ -305,4 +308,12 @@ TABLE = (
         " the vertical one, positive where the bodies part.",
     ),
     Column("LINK.state", "-", "0: slack, 1: taut, 2: has flowed, 3: broken."),
+    Column(
+        "FOOT.normal_force_N",
+        "N",
+        "Force on the foot, the mean of the step, in the frame of its block's columns of forces:"
+        " what carries the block, or level.",
+    ),
+    Column("FOOT.friction_force_N", "N", "That along x."),
+    Column("FOOT.friction_force_second_N", "N", "That along y.", 3),
 )

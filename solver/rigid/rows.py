@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -40,14 +41,31 @@ def quaternion_of(rotation: Array) -> Array:
     return np.array([w, x, y, z]) * (1.0 if w >= 0 else -1.0)
 
 
+class Foot(NamedTuple):
+    """A foot of a block."""
+
+    part: int
+    """Its number among the parts of all bodies that have several."""
+    column: int
+    """Number of the first of its columns."""
+
+
 class BlockRows:
     """Writer of the columns of blocks."""
 
-    def __init__(self, bottoms: Array, tops: Array, carriers: Sequence[int]):
-        """Keep corners of bottoms and levels of tops about centres of mass, and what carries.
+    def __init__(
+        self,
+        bottoms: Array,
+        tops: Array,
+        carriers: Sequence[int],
+        feet: Mapping[int, Sequence[Foot]] | None = None,
+    ):
+        """Keep corners of bottoms and levels of tops about centres of mass, what carries, and feet.
 
-        Corners of the blocks are (n, 2^(d-1), d), m, levels (n,), m; carriers are numbers.
+        Corners of the blocks are (n, 2^(d-1), d), m, levels (n,), m; carriers are numbers; feet are
+        those of some blocks, by the numbers of these.
         """
+        self._feet = feet or {}
         self._d, self._bottoms, self._tops = bottoms.shape[2], bottoms, tops
         self._carriers, self._at = carriers, positions("block", self._d)
 
@@ -69,7 +87,11 @@ class BlockRows:
             first = layout.block + layout.stride * b
             own = rows[:, first : first + layout.stride]
             self._write_motion(own, steps, b, leans[:, b])
-            self._write_contact(own, steps, frames, b, carrier, dt)
+            mean = self._write_contact(own, steps, frames, b, carrier, dt)
+            for foot in self._feet.get(b, ()):
+                force = (steps.parts[1:, foot.part, None, :] @ mean)[:, 0] / dt
+                along = force[:, [-1, *range(self._d - 1)]]
+                rows[:, foot.column : foot.column + self._d] = along
         return leans[-1]
 
     def _write_motion(self, own: Array, steps: Steps, b: int, lean: Array) -> None:
@@ -82,8 +104,12 @@ class BlockRows:
 
     def _write_contact(
         self, own: Array, steps: Steps, frames: Array, b: int, carrier: int, dt: float
-    ) -> None:
-        """Slip, gaps, penetration and forces: over the carrier, or level ground once it is lost."""
+    ) -> Array:
+        """Slip, gaps, penetration and forces: over the carrier, or level ground once it is lost.
+
+        Returns:
+            The axes of the forces as columns, (steps, d, d).
+        """
         at, d, base = self._at, self._d, len(self._carriers)
         level = np.eye(d)
         centre = steps.centre[1:, b]
@@ -113,6 +139,7 @@ class BlockRows:
         if d == 3:
             own[:, at.slip_second_m] = steps.slip[1:, b, 1]
             own[:, at.friction_force_second_N] = force[:, 1]
+        return mean
 
 
 def write_platform(rows: Array, layout: RowLayout, steps: Steps, dt: float) -> None:

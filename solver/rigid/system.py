@@ -21,6 +21,7 @@ from solver.rigid.forces import arm_of, factors, whole_force
 from solver.rigid.links import LinkRows, link_of
 from solver.rigid.rows import (
     BlockRows,
+    Foot,
     quaternion_of,
     rotation_matrices,
     write_energies,
@@ -175,6 +176,7 @@ class RigidSystem:
             vertical=True,
             second=d == 3,
             links={link.name: not link.is_axial for link in links},
+            feet={block.name: block.shape.feet for block in blocks},
         )
         """Names of the columns of the rows: those of a history with all motions of the ground."""
         self._run = positions("run", d)
@@ -206,7 +208,9 @@ class RigidSystem:
         self._tells_pairs = tells_pairs
         bottoms = np.array([_bottom_of(block) for block in blocks])
         tops = np.array([b.shape.height - b.shape.centre_height for b in blocks])
-        self._written = BlockRows(bottoms, tops, [each[0] for each in carriers])
+        self._written = BlockRows(
+            bottoms, tops, [each[0] for each in carriers], _feet_of(blocks, self.columns)
+        )
         self._before = self._world.now()
         frames = rotation_matrices(self._before.rotation)
         self._lean = self._written.lean(self._before, frames, np.zeros(len(blocks)))[0]
@@ -436,6 +440,20 @@ def _body_of(world: World, block: RigidBlock) -> Body:
         velocity=block.velocity,
         spin=turn.T @ np.broadcast_to(block.angular_velocity, 3),
     )
+
+
+def _feet_of(blocks: Sequence[RigidBlock], names: Sequence[str]) -> dict[int, list[Foot]]:
+    """The feet of blocks that have some, by the numbers of these."""
+    found: dict[int, list[Foot]] = {}
+    first = 0  # among the parts of all bodies that have several
+    for number, block in enumerate(blocks):
+        shape = block.shape
+        parts = 0 if shape.solid is None else len(shape.solid.parts)
+        for k in range(shape.feet):
+            column = names.index(f"{block.name}.foot_{k + 1}.normal_force_N")
+            found.setdefault(number, []).append(Foot(first + parts - shape.feet + k, column))
+        first += parts if parts > 1 else 0
+    return found
 
 
 def _bottom_of(block: RigidBlock) -> Array:

@@ -110,6 +110,7 @@ def block_on_feet(block: Block, feet: tuple[FootSpec, ...], dimension: Dimension
         base=(min(ends), max(ends)),
         solid=solids.union(parts),
         bottom=bottom,
+        feet=len(feet),
     )
 
 

@@ -23,6 +23,7 @@ def test_parts_of_a_row_lie_where_the_names_are(dimension: int, platform: bool) 
         second=dimension == 3,
         structure=Structure(storeys=2, columns=3) if platform else None,
         links={"wire": True, "wax": True},
+        feet={"b": 2},
     )
     layout = row_layout(3, dimension=dimension, platform=platform)
     storeys = layout.foundation + len(positions("foundation", dimension))
@@ -38,6 +39,8 @@ def test_parts_of_a_row_lie_where_the_names_are(dimension: int, platform: bool) 
     ends = feet + 3 * len(positions("column", dimension))
     ends = ends if platform else layout.foundation
     starts["link"] = [ends + len(positions("link", dimension)) * k for k in range(2)]
+    legs = starts["link"][-1] + len(positions("link", dimension))
+    starts["foot"] = [legs + len(positions("foot", dimension)) * k for k in range(2)]
     found = {}
     for column in TABLE:
         if column.dimension not in (None, dimension):
@@ -47,6 +50,7 @@ def test_parts_of_a_row_lie_where_the_names_are(dimension: int, platform: bool) 
             name = column.name.replace("NAME", blocks[number])
             name = name.replace("STOREY", f"foundation.storey_{number + 1}")
             name = name.replace("LINK", ["wire", "wax"][number % 2])
+            name = name.replace("FOOT", f"b.foot_{number + 1}")
             found[start + place] = name.replace("COLUMN", f"foundation.column_{number + 1}")
     assert tuple(found[k] for k in sorted(found)) == names
 

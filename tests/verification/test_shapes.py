@@ -204,6 +204,20 @@ def test_a_short_foot_lets_a_table_rock_between_its_feet() -> None:
     assert abs(found.history["body.angular_velocity_rad_s"][-1]) < 1e-9
 
 
+def test_forces_of_feet_are_those_of_statics() -> None:
+    """Quarters of a weight in the middle; else more below the nearer foot, the weight in all."""
+    feet = {"inset": 0.05, "size": 0.04, "height": 0.1}
+    box = {"width": 0.6, "height": 1.0, "thickness": 0.5, "feet": feet}
+    history = run(box, end=0.05, dimension=3).history
+    weight = 1000.0 * 0.6 * 0.5 * G
+    forces = [history[f"body.foot_{k}.normal_force_N"][-1] for k in (1, 2, 3, 4)]
+    assert forces == pytest.approx([weight / 4] * 4, rel=1e-9)
+    uneven = run(box | {"centre_of_mass": [0.04, 0.03, 0.5]}, end=0.05, dimension=3).history
+    forces = [uneven[f"body.foot_{k}.normal_force_N"][-1] for k in (1, 2, 3, 4)]
+    assert sum(forces) == pytest.approx(weight, rel=1e-10)
+    assert forces[2] == max(forces) and forces[0] == min(forces) and forces[0] > 0
+
+
 # ------------------------------------------------------------------ a file
 
 
