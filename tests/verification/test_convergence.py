@@ -11,12 +11,12 @@ import scipy.linalg
 import ufl
 from dolfinx import fem
 
+from benchmarks.verification.fixed_pair import FixedPair, faces_on
 from geometry.block import Block
 from geometry.mesh import block_mesh
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.elastic_forms import StrainWeights
 from solver.contact.carriers import Plane
-from solver.contact.pairs import MeshedContactPair
 from solver.scene import DampingSpec, FrictionSpec
 from solver.scene.material import Material
 from solver.scheme.generalized_alpha import GeneralizedAlpha, TangentWeights
@@ -130,10 +130,9 @@ def dense(matrix) -> np.ndarray:
 
 def vibration(rho_inf: float, theta: int, damping: DampingSpec | None = None) -> Vibration:
     made, _, body = block((2, 4), "quadrilateral", 2, damping=damping)
-    faces = MeshedContactPair(
-        body, made.facet_tags, Plane.level(2), FrictionSpec(static=0.5), theta=theta
-    )
-    stepper = Stepper(System([body]), [faces], GeneralizedAlpha(rho_inf), gravity=np.zeros(2))
+    law = FrictionSpec(static=0.5)
+    contact = FixedPair(faces_on(body, made.facet_tags, Plane.level(2), law, theta=theta))
+    stepper = Stepper(System([body]), [contact], GeneralizedAlpha(rho_inf), gravity=np.zeros(2))
     stepper.start(np.zeros(body.size), np.zeros(body.size))  # faces join
     stiffness = dense(body.stiffness_matrix)
     if theta:

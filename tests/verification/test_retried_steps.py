@@ -141,4 +141,5 @@ def test_a_face_that_joined_in_a_step_that_failed_joins_again() -> None:
     assert len(stepper.links[0].interface.keys()) == alone
     new, _ = stepper.advance(state, scene.time.step)
     assert len(new.contacts[0].force) > alone == len(state.contacts[0].force)
-    assert int(FacetTag.RIGHT) in new.active[0] and int(FacetTag.RIGHT) not in state.active[0]
+    joined = int(FacetTag.RIGHT)
+    assert joined in new.active[0].faces and joined not in state.active[0].faces
