@@ -32,8 +32,8 @@ class FixedPair:
         """No face ever joins."""
         return ()
 
-    def overlaps(self, bodies: Bodies, active: tuple[()]) -> bool:
-        """False: the interface is always active."""
+    def overlaps(self, bodies: Bodies) -> bool:
+        """False: only pairs of which nothing is active are asked."""
         return False
 
     def faces(self, active: tuple[()]) -> frozenset[int]:

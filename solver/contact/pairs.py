@@ -89,8 +89,8 @@ class ContactPair(Protocol):
     def active(self, bodies: Bodies, before: Any) -> Any:
         """What is active in a step, by what was before it; None before the first."""
 
-    def overlaps(self, bodies: Bodies, active: Any) -> bool:
-        """True if the bodies are in one another, though nothing of theirs was active so far."""
+    def overlaps(self, bodies: Bodies) -> bool:
+        """True if the bodies are in one another."""
 
     def faces(self, active: Any) -> frozenset[int]:
         """Tags of the faces of the body whose points with tractions are active."""
@@ -175,6 +175,7 @@ class FacePair:
         self.turns = isinstance(second, BlockSurface)
         self._first, self._second, self._law, self._bed = first, second, law, bed
         self._stands, self._size = stands, min(first.hull.size, second.hull.size)
+        self._only_turns = stands and not second.has_outline  # nothing else changes what is active
         self.looked: tuple[Any] | None = None
         self.slack = self.reach = 0.0
         self._lower: dict[int, Carrier] = {}  # faces of the second body
@@ -207,7 +208,7 @@ class FacePair:
             one, other = opposite_face(first, second.normals[best - count]), best - count
         tag, number = self._first.tags[one], self._second.tags[other]
         slack = self._slack(now, one, count + other)
-        if before is not None:
+        if before is not None and not self._only_turns:
             slack = min(slack, near - apart)
         if float(first.normals[one] @ second.normals[other]) > MUTUAL:
             slack = 0.0
@@ -221,10 +222,8 @@ class FacePair:
         seen = tag if self._second.has_outline else FLOOR
         return self._keep(ActiveFaces(seen, number, faces), bodies, slack)
 
-    def overlaps(self, bodies: Bodies, active: ActiveFaces | None) -> bool:
-        """True if the bodies are in one another, though no faces of theirs were active so far."""
-        if active is not None:
-            return False
+    def overlaps(self, bodies: Bodies) -> bool:
+        """True if the bodies are in one another."""
         now, _, _ = self._placed(bodies.unknowns)
         return float(now.max()) < -HELD * self._size
 
@@ -259,7 +258,7 @@ class FacePair:
             other = self._second.body.centre + bodies.motion(self._second.number).moved
             size += float(np.abs(middle - other).max())
         self.looked, self.slack = (active,), 0.5 * slack
-        self.reach = d**0.5 * size + self.slack
+        self.reach = d**0.5 * size + self.slack if np.isfinite(slack) else 0.0
         return active
 
     # ------------------------------------------------------------- interfaces
