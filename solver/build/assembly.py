@@ -22,8 +22,9 @@ from solver.excitation.motion import GroundMotion, read_ground
 from solver.scene import BlockSpec, Scene
 from solver.scene.places import stands
 from solver.scheme.generalized_alpha import GeneralizedAlpha
+from solver.stepping.contact_solve import StepFailed
 from solver.stepping.state import State
-from solver.stepping.stepper import StepFailed, Stepper
+from solver.stepping.stepper import Stepper
 from solver.stepping.system import Body, System
 from solver.types import Array
 

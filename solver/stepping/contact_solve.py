@@ -51,6 +51,10 @@ PLACED_CORRECTIONS = 2
 """Corrections of a step with new positions of the bodies: later ones hardly turn them."""
 
 
+class StepFailed(Exception):
+    """The nonlinear solve of a step did not converge."""
+
+
 class Iterate(NamedTuple):
     """A displacement u, and the state of each interface at it."""
 
@@ -335,7 +339,11 @@ class ContactSolve:
         self._model.margin.reset(saved["seen"])
 
     def solve(self, balance: Balance, guess: Array) -> StepSolution:
-        """Solve a balance from a guess of the displacement and the last point forces."""
+        """Solve a balance from a guess of the displacement and the last point forces.
+
+        Raises:
+            StepFailed: No solution was found.
+        """
         margin = self._model.margin
         if balance.static:
             self._hold_touching(balance)
@@ -347,15 +355,22 @@ class ContactSolve:
         u, outcome = self._solver.solve(problem, guess, tolerance)
         if not outcome.converged and self._restiffens(balance):
             return self.solve(balance, guess)
+        iterations = outcome.iterations
         while outcome.converged and problem.continues(u):
-            before = outcome.iterations
             u, outcome = self._solver.solve(problem, u, tolerance)
-            outcome = outcome._replace(iterations=outcome.iterations + before)
-        if outcome.converged and problem.active_set.overran:
-            outcome = outcome._replace(converged=False, reason="bodies move too far in one step")
-        contacts = problem.contacts() if outcome.converged else []
-        residual = self._solver.residual
-        return StepSolution(u, contacts, residual, problem.inertia, outcome, problem.held)
+            iterations += outcome.iterations
+        if not outcome.converged:
+            raise StepFailed(f"SNES: {outcome.reason}, residual {outcome.residual:.2e} N")
+        if problem.active_set.overran:
+            raise StepFailed("bodies move too far in one step")
+        return StepSolution(
+            u=u,
+            contacts=problem.contacts(),
+            residual=self._solver.residual,
+            inertia=problem.inertia,
+            iterations=iterations,
+            held=problem.held,
+        )
 
     def _restiffens(self, balance: Balance) -> bool:
         """Give meshed bodies the stiffness of the strained state of a step that failed, once."""

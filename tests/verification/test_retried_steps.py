@@ -14,9 +14,9 @@ from geometry.tags import FacetTag
 from solver.build.assembly import build, initial_state
 from solver.law.local_problem import NoContactSolution
 from solver.scene import Scene, parse_scene
-from solver.stepping.contact_solve import StepProblem
+from solver.stepping.contact_solve import StepFailed, StepProblem
 from solver.stepping.state import GroundForces, State
-from solver.stepping.stepper import StepFailed, Stepper
+from solver.stepping.stepper import Stepper
 from solver.types import Array
 
 BLOCK = {"width": 0.25, "height": 0.6, "mass": 100.0, "young": 1e8, "poisson": 0.2}
