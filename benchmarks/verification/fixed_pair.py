@@ -12,8 +12,8 @@ from solver.contact.carriers import Carrier
 from solver.contact.interface import Interface
 from solver.contact.nitsche_points import contact_points
 from solver.contact.pairs import Bodies, Link
+from solver.contact.quadrature import Cut
 from solver.scene import FrictionSpec
-from solver.types import Array
 
 
 class FixedPair:
@@ -55,11 +55,11 @@ def faces_on(
     points: str = "nodes",
     gamma: float = 100.0,
     theta: int = 1,
-    cuts: Array | None = None,
+    cut: Cut | None = None,
 ) -> Interface:
-    """The interface of some faces of a meshed body; `points` and `cuts` as of `contact_points`."""
+    """The interface of some faces of a meshed body; `points` and `cut` as of `contact_points`."""
     chosen = np.isin(facet_tags.values, list(faces))
     domain, dim = body.space.mesh, facet_tags.dim
     tags = mesh.meshtags(domain, dim, facet_tags.indices[chosen], facet_tags.values[chosen])
-    found = contact_points(body.space, tags, body.material, points=points, gamma=gamma, cuts=cuts)
+    found = contact_points(body.space, tags, body.material, points=points, gamma=gamma, cut=cut)
     return Interface(NitschePoints(body, found), carrier, law, theta=theta)

@@ -18,6 +18,7 @@ from loads import surface_force
 
 from benchmarks.verification.fixed_pair import FixedPair, faces_on
 from benchmarks.verification.load_steps import contact_tractions, nodal_pressure
+from benchmarks.verification.refinement import cut_by, outlines
 from geometry.block import Block
 from geometry.foundation import Plate
 from geometry.mesh import block_mesh, move, plate_mesh
@@ -100,7 +101,7 @@ class Patch:
             face,
             FrictionSpec(static=self.friction),
             points=self.points,
-            cuts=surface.outlines if self.cuts else None,
+            cut=cut_by(outlines(surface)) if self.cuts else None,
         )
         stepper = Stepper(
             System(bodies), [FixedPair(contact, on=1)], GeneralizedAlpha(0.8), gravity=np.zeros(d)
