@@ -21,18 +21,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from solver.contact.body_points import FacePoints, Key, SurfaceState
+from solver.contact.body_points import FacePoints, SurfaceState
 from solver.contact.carriers import Face, FacetCarrier
 from solver.contact.interface import Interface
 from solver.contact.kinematics import (
     ContactKinematics,
     EdgeInterpolation,
+    Observed,
     in_frames,
     in_space,
 )
 from solver.contact.memory import Memory
 from solver.law.crossing import PARALLEL_ANGLE, STEEPEST_COSINE, TURNED_AWAY_COSINE
-from solver.law.friction import new_pasts
 from solver.scene import Bed, FrictionSpec
 from solver.types import Array, Indices, Mask
 
@@ -429,24 +429,15 @@ class CrossingInterface(Interface):
         super().__init__(points, carrier, law, count=count, bed=bed, corner_area=corner_area)
         self.crossings = carrier
 
-    def _named(self) -> list[Key]:
-        """The number of each pair: no face joins an outline."""
-        return [(float(k),) for k in range(self.count)]
-
-    def start(self, u: Array | None, carrier_u: Array | None, rotation: Array) -> Memory:
-        """The memory of pairs without contact forces."""
+    def first_seen(self, u: Array | None, carrier_u: Array | None) -> Observed:
+        """The pairs, and the edges that cross now."""
         surface, carried = self._observed(u, carrier_u)
         middle = surface.position, carried.position
-        kinematics = self.crossings.detect(surface.position, carried, middle)
-        return Memory(
-            surface=surface,
-            kinematics=kinematics,
-            force=np.zeros((self.count, 3)),
-            anchor=np.zeros((self.count, 2)),
-            may_touch=self.crossings.present.copy(),
-            past=new_pasts(self.count),
-            compression=np.zeros(self.count),
-        )
+        return surface, self.crossings.detect(surface.position, carried, middle)
+
+    def may_touch(self, rotation: Array, kinematics: ContactKinematics) -> Mask:
+        """Pairs that cross."""
+        return self.crossings.present.copy()
 
     def _observed(
         self, u: Array | None, carrier_u: Array | None
@@ -471,14 +462,8 @@ class CrossingInterface(Interface):
         kinematics = self.crossings.detect(
             memory.surface.position, memory.kinematics.carrier, middle
         )
-        present = self.crossings.present.copy()
-        return memory._replace(
-            kinematics=kinematics,
-            force=np.where(present[:, None], memory.force, 0.0),
-            anchor=np.zeros_like(memory.anchor),
-            may_touch=present,
-            compression=np.where(present, memory.compression, 0.0),
-        )
+        begun = memory._replace(kinematics=kinematics, anchor=np.zeros_like(memory.anchor))
+        return begun.touching(self.crossings.present.copy())
 
     def without_corners(
         self, memory: Memory, edge: Interface, corners: Memory
@@ -511,7 +496,7 @@ class CrossingInterface(Interface):
         left[numbers[corner[off]]] = False
         self.crossings.leave_out(there[which[~off]])
         stays = self.crossings.present.copy()
-        return _touching_at(memory, stays), _touching_at(corners, left)
+        return memory.touching(stays), corners.touching(left)
 
     def apart(self, surface: SurfaceState, kinematics: ContactKinematics) -> float:
         """Depth of the one outline within the other, m; negative where it is not."""
@@ -522,13 +507,3 @@ class CrossingInterface(Interface):
         """Pairs that cross at this instant, not only at some time in its step."""
         assert memory.kinematics.carrier is not None
         return self.crossings.within(memory.surface.position, memory.kinematics.carrier.position)
-
-
-def _touching_at(memory: Memory, may_touch: Mask) -> Memory:
-    """A memory in which only some points may touch."""
-    lost = ~may_touch
-    return memory._replace(
-        force=np.where(lost[:, None], 0.0, memory.force),
-        may_touch=may_touch,
-        compression=np.where(lost, 0.0, memory.compression),
-    )

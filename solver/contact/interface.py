@@ -125,7 +125,7 @@ class Interface:
         if bed is not None:
             self.beds = PointBeds(bed, np.where(self.area > 0, self.area, corner_area))
         self._constant_bounds = Bounds.uniform(law.dynamic, self.count)
-        self._keys = self._named()
+        self._keys = keys_of(points)
 
     def theta_matrix(self, like: PETSc.Mat) -> PETSc.Mat:
         """(theta/gamma_h) G_T^T w G_T, the part of the theta term that stands in every tangent.
@@ -135,12 +135,8 @@ class Interface:
         assert isinstance(self.points, NitschePoints)
         return theta_matrix(self.points.points, self._pull_weight, like)
 
-    def _named(self) -> list[Key]:
-        """The key of every point; it stays the same whatever faces join."""
-        return keys_of(self.points)
-
     def keys(self) -> list[Key]:
-        """The key of every point: face and place."""
+        """The key of every point: face and place; it stays the same whatever faces join."""
         return self._keys
 
     def observe(self, u: Array | None, carrier_u: Array | None) -> Observed:
@@ -160,12 +156,16 @@ class Interface:
         meshed.augment(kinematics.place, surface.traction, self.inverse_gamma, kinematics.frame, y)
         return kinematics._replace(augmented=y)
 
+    def first_seen(self, u: Array | None, carrier_u: Array | None) -> Observed:
+        """The interface where nothing of it is remembered."""
+        return self.observe(u, carrier_u)
+
     def start(self, u: Array | None, carrier_u: Array | None, rotation: Array) -> Memory:
         """The memory of points without contact forces, by the owned unknowns of both bodies.
 
         They are None for the ground; `rotation` is that of the body of the points, (d, d).
         """
-        surface, kinematics = self.observe(u, carrier_u)
+        surface, kinematics = self.first_seen(u, carrier_u)
         y = kinematics.augmented
         return Memory(
             surface=surface,
@@ -425,15 +425,7 @@ def rotate_frame(
     if may_touch.tobytes() == memory.may_touch.tobytes():
         return memory, exchanged
     before = interface.energy(memory)
-    y = memory.kinematics.augmented
-    memory = _at_other_faces(interface, memory, y, may_touch)
-    lost = ~may_touch
-    after = memory._replace(
-        force=np.where(lost[:, None], 0.0, memory.force),
-        anchor=np.where(lost[:, None], y[:, 1:], memory.anchor),
-        may_touch=may_touch,
-        compression=np.where(lost, 0.0, memory.compression),
-    )
+    after = _at_other_faces(interface, memory, may_touch).touching(may_touch)
     return after, exchanged + before - interface.energy(after)
 
 
@@ -455,8 +447,9 @@ def _turn_face(
     )
 
 
-def _at_other_faces(interface: Interface, memory: Memory, y: Array, may_touch: Mask) -> Memory:
+def _at_other_faces(interface: Interface, memory: Memory, may_touch: Mask) -> Memory:
     """Forces at corners moved to the points of their other faces."""
+    y = memory.kinematics.augmented
     moves = (
         [] if interface.corners is None else interface.corners.moves(memory.may_touch, may_touch)
     )

@@ -62,9 +62,15 @@ class Memory(NamedTuple):
             kept[name] = values
         return self._replace(**kept)
 
-    def until(self, clear: float) -> Memory:
-        """This memory with another `clear`, m."""
-        return self._replace(clear=clear)
+    def touching(self, may_touch: Mask) -> Memory:
+        """This memory where only some points may touch: the others let go of what they hold."""
+        lost = ~may_touch
+        return self._replace(
+            force=np.where(lost[:, None], 0.0, self.force),
+            anchor=np.where(lost[:, None], self.kinematics.augmented[:, 1:], self.anchor),
+            may_touch=may_touch,
+            compression=np.where(lost, 0.0, self.compression),
+        )
 
 
 KINEMATICS = ("surface", "kinematics", "clear")

@@ -313,10 +313,10 @@ def remembered(
     memories, lost = [], []
     for link, before, c in zip(links, old, contacts, strict=True):
         if c.was_skipped(before):
-            memories.append(before.until(c.clear))
+            memories.append(before._replace(clear=c.clear))
             continue
         after = link.interface.remember(before, c.surface, c.kinematics, c.force, c.bounds, dt)
-        memories.append(after[0].until(c.clear) if c.clear else after[0])
+        memories.append(after[0]._replace(clear=c.clear))
         lost.append(after[1])
     return memories, Dissipation(*map(sum, zip(NOTHING_LOST, *lost, strict=True)))
 

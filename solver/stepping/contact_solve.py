@@ -55,13 +55,6 @@ class StepFailed(Exception):
     """The nonlinear solve of a step did not converge."""
 
 
-class Iterate(NamedTuple):
-    """A displacement u, and the state of each interface at it."""
-
-    u: Array
-    seen: Sequence[Observed]
-
-
 class ActivePair(NamedTuple):
     """An interface that enters residuals: what stays the same from one to the next.
 
@@ -110,8 +103,9 @@ class StepProblem:
         self._frames = model.points.frames
         if model.points.turns:
             tangents.operator = None
-        self._iterate = Iterate(guess, ())
-        self._kinematics: Kinematics = []  # at the iterate
+        # At the iterate: its displacement, the state of each interface, and kinematics.
+        self._u, self._seen = guess, self._remembered
+        self._kinematics: Kinematics = []
         self._configurations: Sequence[Any] = ()
         self._corrections = 0
         self.held: Array = np.empty(0)
@@ -136,7 +130,7 @@ class StepProblem:
         if len(fixed):
             self.held = residual.take(fixed)
             residual.put(fixed, 0.0)
-        self._iterate, self._kinematics = Iterate(u, seen), kinematics
+        self._u, self._seen, self._kinematics = u, seen, kinematics
         self._residual = residual
         return residual
 
@@ -175,7 +169,7 @@ class StepProblem:
         """Free step, local contact problem, and the response to the change of the point forces."""
         self._corrections += 1
         if self._corrections <= PLACED_CORRECTIONS:
-            u = self._iterate.u
+            u = self._u
             self._configurations = [response.at(u[own], was) for response, own, was in self._bodies]
         y, self._beyond = self._positions(), self._points_beyond()
         free = self._free(residual, y)
@@ -205,7 +199,7 @@ class StepProblem:
 
         With what is left of beds' compression. A copy: it is written to.
         """
-        y: Array = copied([seen.augmented for _, seen in self._iterate.seen])
+        y: Array = copied([seen.augmented for _, seen in self._seen])
         if self.contact.beds is not None:
             y[:, 0] += self.contact.beds.offset
         if self.contact.rest is not None:
@@ -280,9 +274,7 @@ class StepProblem:
         found, active_set = [], self.active_set
         for number, own in enumerate(self._points.own):
             inactive = active_set.inactive[number]
-            surface, kinematics = (
-                active_set.seen(number) if inactive else self._iterate.seen[number]
-            )
+            surface, kinematics = active_set.seen(number) if inactive else self._seen[number]
             force, bounds = self.contact.force[own], self.contact.friction.bounds[number]
             found.append(Contact(surface, kinematics, force, bounds, active_set.clear(number)))
         return found
