@@ -50,7 +50,6 @@ TYPES = {
     "solver.scheme.generalized_alpha": ("TangentWeights",),
     "solver.scheme.step_control": ("Ladder",),
     "solver.stepping.delassus": ("Delassus",),
-    "solver.stepping.impulses": ("MassOperator",),
     "solver.stepping.local_error": ("Past",),
     "solver.stepping.response": ("CandidateSet", "DenseConfiguration", "ElasticCoupling"),
     "solver.stepping.state": ("State", "RotationPrediction"),
