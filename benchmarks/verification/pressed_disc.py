@@ -7,10 +7,10 @@ from mpi4py import MPI
 import numpy as np
 
 from benchmarks.verification.disc_mesh import disc_mesh
+from benchmarks.verification.fixed_pair import FixedPair, faces_on
 from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody, Support
 from solver.contact.carriers import Plane
-from solver.contact.pairs import MeshedContactPair
 from solver.scene import FrictionSpec
 from solver.scene.material import Material
 from solver.scheme.generalized_alpha import GeneralizedAlpha
@@ -55,7 +55,6 @@ def disc_on_ground(
     )
     top = Support(facets=made.facet_tags.find(FacetTag.TOP), directions=(0, 1))
     body = ElasticBody(made.mesh, material, supports=[top])
-    contact = MeshedContactPair(
-        body, made.facet_tags, ground or Plane.level(2), FrictionSpec(static=0.0), points=points
-    )
-    return Stepper(System([body]), [contact], GeneralizedAlpha(0.8), gravity=np.zeros(2))
+    law = FrictionSpec(static=0.0)
+    contact = faces_on(body, made.facet_tags, ground or Plane.level(2), law, points=points)
+    return Stepper(System([body]), [FixedPair(contact)], GeneralizedAlpha(0.8), gravity=np.zeros(2))

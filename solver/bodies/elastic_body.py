@@ -6,7 +6,7 @@ All vectors hold the owned unknowns of a rank, node by node, and belong to the w
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -26,7 +26,7 @@ from solver.kernels import meshed
 from solver.scene.damping import DampingSpec
 from solver.scene.material import Material
 from solver.scheme.generalized_alpha import GeneralizedAlpha, TangentWeights
-from solver.types import Array, Mask
+from solver.types import Array
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -124,7 +124,6 @@ class ElasticBody(DampedBody):
         *,
         degree: int = 1,
         damping: DampingSpec | None = None,
-        clamped: Callable[[Array], Mask] | None = None,
         name: str = "block",
         thickness: float = 1.0,
         supports: Sequence[Support] = (),
@@ -139,11 +138,9 @@ class ElasticBody(DampedBody):
             material: Its material.
             degree: Polynomial degree of the displacement.
             damping: Rayleigh damping; None assembles no such terms.
-            clamped: Marker of boundary points held fixed, as dolfinx's `locate_entities_boundary`
-                takes it.
             name: What messages and files call it.
             thickness: t, m; 1 in 3-D.
-            supports: Further held facets.
+            supports: Held facets.
             spring: Between some facets and the ground.
             regions: Cells of other materials.
             density: Over that of the material; None: it is the same everywhere.
@@ -154,9 +151,6 @@ class ElasticBody(DampedBody):
         self._regions = [Region(cells, own.times(thickness)) for cells, own in regions]
         self._density = density
         self._discretise(domain, degree)
-        if clamped is not None:
-            facets = mesh.locate_entities_boundary(domain, domain.topology.dim - 1, clamped)
-            supports = *supports, Support(facets=facets, directions=tuple(range(self.dimension)))
         self.clamped = bool(supports) or spring is not None
         """True if it stands on the ground, and does not turn."""
         self.fixed = self._held(supports)

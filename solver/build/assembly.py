@@ -9,7 +9,6 @@ from itertools import combinations
 from mpi4py import MPI
 
 import numpy as np
-from dolfinx.mesh import MeshTags
 
 from geometry.arrangement import Pose
 from geometry.mesh import move
@@ -17,21 +16,15 @@ from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.rigid_body import RigidBox, rigid_box
 from solver.build.foundation import FoundationBody, foundation
 from solver.build.meshed_body import mesh_of_block, meshed_body, relative_density
-from solver.contact.carriers import Face
-from solver.contact.pairs import (
-    ContactPair,
-    FacePair,
-    FixedContactPair,
-    FloorSurface,
-    MeshedContactPair,
-)
+from solver.contact.pairs import FacePair, FloorSurface
 from solver.contact.surfaces import BlockSurface
 from solver.excitation.motion import GroundMotion, read_ground
 from solver.scene import BlockSpec, Scene
 from solver.scene.places import stands
 from solver.scheme.generalized_alpha import GeneralizedAlpha
+from solver.stepping.contact_solve import StepFailed
 from solver.stepping.state import State
-from solver.stepping.stepper import StepFailed, Stepper
+from solver.stepping.stepper import Stepper
 from solver.stepping.system import Body, System
 from solver.types import Array
 
@@ -46,7 +39,6 @@ class BlockBody:
         number: Of the body in the system.
         stand: From the body's reference configuration to where it begins.
         surface: Its surface.
-        tags: Facet tags of a meshed body.
         carriers: Numbers of the bodies that carry it.
     """
 
@@ -55,7 +47,6 @@ class BlockBody:
     number: int
     stand: Pose
     surface: BlockSurface
-    tags: MeshTags | None = None
     carriers: tuple[int, ...] = ()
 
 
@@ -67,11 +58,13 @@ class Assembly:
         stepper: Steps them.
         members: The blocks, in the order of the scene.
         support: What carries them.
+        floor: Its surface.
     """
 
     stepper: Stepper
     members: Sequence[BlockBody]
     support: FoundationBody
+    floor: FloorSurface
 
 
 def build(
@@ -93,8 +86,9 @@ def build(
     bodies += [member.body for member in members]
     if support.body is not None:
         bodies.append(support.body)
-    pairs = [_standing(scene, member, members, support) for member in members]
-    pairs += _meetings(scene, members, support)
+    floor = FloorSurface(support.carrier(), support.number, scene.dimension)
+    pairs = [_standing(scene, member, members, floor) for member in members]
+    pairs += _meetings(scene, members, floor)
     names = {member.spec.name: member.number for member in members}
     for member in members:
         member.carriers = tuple(names[name] for name in member.spec.carriers if name in names)
@@ -107,7 +101,7 @@ def build(
         velocity_solve=scene.contact.velocity_solve,
         petsc_options=petsc_options,
     )
-    return Assembly(stepper, members, support)
+    return Assembly(stepper, members, support, floor)
 
 
 def _member(scene: Scene, number: int, placed: tuple[Pose, Pose], comm: MPI.Intracomm) -> BlockBody:
@@ -133,43 +127,22 @@ def _member(scene: Scene, number: int, placed: tuple[Pose, Pose], comm: MPI.Intr
         density=relative_density(spec, made.mesh, upright(np.zeros((1, scene.dimension)))[0]),
     )
     surface = BlockSurface(body, number, corners, scene.contact, made.facet_tags)
-    return BlockBody(spec, body, number, stand, surface, made.facet_tags)
+    return BlockBody(spec, body, number, stand, surface)
 
 
 def _standing(
-    scene: Scene, member: BlockBody, members: Sequence[BlockBody], support: FoundationBody
-) -> ContactPair:
+    scene: Scene, member: BlockBody, members: Sequence[BlockBody], floor: FloorSurface
+) -> FacePair:
     """A block and what it stands on, of several bodies the first."""
     law, bed = scene.friction_of(member.spec), scene.bed_of(member.spec)
     below = next((other for other in members if other.spec.name == member.spec.carrier), None)
-    if below is not None:
-        return FacePair(member.surface, below.surface, law, bed=bed, stands=True)
-    carrier, on = support.carrier(), support.number
-    if isinstance(carrier, Face):
-        floor = FloorSurface(carrier, on, scene.dimension)
-        return FacePair(member.surface, floor, law, bed=bed, stands=True)
-    if isinstance(member.body, ElasticBody):
-        assert member.tags is not None
-        contact = scene.contact
-        return MeshedContactPair(
-            member.body,
-            member.tags,
-            carrier,
-            law,
-            points=contact.points,
-            gamma=contact.gamma,
-            theta=contact.theta,
-            body=member.number,
-            on=on,
-            bed=bed,
-        )
-    interface = member.surface.over(carrier, law, frozenset(), bed=bed)
-    return FixedContactPair(interface, body=member.number, on=on)
+    surface = floor if below is None else below.surface
+    return FacePair(member.surface, surface, law, bed=bed, stands=True)
 
 
 def _meetings(
-    scene: Scene, members: Sequence[BlockBody], support: FoundationBody
-) -> Iterator[ContactPair]:
+    scene: Scene, members: Sequence[BlockBody], floor: FloorSurface
+) -> Iterator[FacePair]:
     """All other pairs of bodies that may meet."""
     laws = scene.laws
     for one, other in combinations(members, 2):
@@ -186,7 +159,6 @@ def _meetings(
     for member in members:
         if member.spec.carrier != "foundation":
             law = laws.between(member.spec.name, "foundation")[0]
-            floor = FloorSurface(support.carrier(), support.number, scene.dimension)
             yield FacePair(member.surface, floor, law)
 
 

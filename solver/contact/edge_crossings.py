@@ -21,18 +21,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from solver.contact.body_points import FacePoints, Key, SurfaceState
-from solver.contact.carriers import CAME_ROUND, Face, FacetCarrier
+from solver.contact.body_points import FacePoints, SurfaceState
+from solver.contact.carriers import Face, FacetCarrier
 from solver.contact.interface import Interface
 from solver.contact.kinematics import (
     ContactKinematics,
     EdgeInterpolation,
+    Observed,
     in_frames,
     in_space,
 )
 from solver.contact.memory import Memory
 from solver.law.crossing import PARALLEL_ANGLE, STEEPEST_COSINE, TURNED_AWAY_COSINE
-from solver.law.friction import new_pasts
 from solver.scene import Bed, FrictionSpec
 from solver.types import Array, Indices, Mask
 
@@ -151,14 +151,11 @@ class EdgeEdgeContacts:
     Attributes:
         frame: Normal and tangents of each pair, (16, 3, 3).
         present: Pairs that cross, (16,).
-        rest: Gaps from which pairs that have sunk in are not pushed out, since that would gain
-            energy; 0 for others, (16,), m.
         start: The kinematics from which slip counts; None while it is being found.
     """
 
     frame: Array
     present: Mask
-    rest: Array
     start: ContactKinematics | None = None
 
 
@@ -194,7 +191,6 @@ class Crossings(FacetCarrier):
         self.detected = EdgeEdgeContacts(
             frame=np.tile(np.eye(3), (self.count, 1, 1)),
             present=np.zeros(self.count, dtype=np.bool_),
-            rest=np.zeros(self.count),
         )
 
     @property
@@ -207,13 +203,8 @@ class Crossings(FacetCarrier):
         """Pairs that cross, (16,)."""
         return self.detected.present
 
-    @property
-    def rest(self) -> Array:
-        """Gaps from which pairs that have sunk in are not pushed out, (16,), m."""
-        return self.detected.rest
-
     def detect(
-        self, edge: Array, face: SurfaceState, middle: tuple[Array, Array], compression: Array
+        self, edge: Array, face: SurfaceState, middle: tuple[Array, Array]
     ) -> ContactKinematics:
         """Settle frames and pairs of the coming step; returns from which kinematics slip counts.
 
@@ -221,22 +212,18 @@ class Crossings(FacetCarrier):
             edge: Where the nodes of the upper outline are at the start, (n, 3).
             face: Those of the lower one.
             middle: Where both are expected in the middle of the step.
-            compression: Of the bed between them, (16,), m: by that much no pair has sunk in.
         """
         frame = self.frame
         present: Mask = np.zeros(self.count, dtype=np.bool_)
-        nothing = np.zeros(self.count)
         if self.depth_inside(*middle) <= 0.0:
             frame, framed = self._turned(*middle)
-            self.detected = EdgeEdgeContacts(frame, framed, nothing)
+            self.detected = EdgeEdgeContacts(frame, framed)
             end = 2 * middle[0] - edge, 2 * middle[1] - face.position
             present = self.within(edge, face.position) | self.within(*end)
-        self.detected = EdgeEdgeContacts(frame, present, nothing)
+        self.detected = EdgeEdgeContacts(frame, present)
         kinematics = self.kinematics(edge, face)
-        present = present & (kinematics.place[:, 0] > -CAME_ROUND * self._length)
-        rest = np.minimum(kinematics.place[:, 0] + compression, 0.0)
-        self.detected = EdgeEdgeContacts(frame, present, rest, kinematics)
-        return self._from_rest(kinematics)
+        self.detected = EdgeEdgeContacts(frame, present, kinematics)
+        return kinematics
 
     @property
     def one_place(self) -> float:
@@ -329,13 +316,7 @@ class Crossings(FacetCarrier):
         if start is not None and len(pairs):
             slip = in_frames(self._moved(start, kinematics), self.frame)
             place[pairs, 1:] = slip[pairs, 1:]
-        return self._from_rest(kinematics)
-
-    def _from_rest(self, kinematics: ContactKinematics) -> ContactKinematics:
-        """Kinematics with augmented positions y = (g - rest, s), of those without."""
-        augmented = kinematics.place.copy()
-        augmented[:, 0] -= self.rest
-        return kinematics._replace(augmented=augmented)
+        return kinematics
 
     def _places(
         self, pairs: Indices, edge: Array, face: Array
@@ -448,26 +429,15 @@ class CrossingInterface(Interface):
         super().__init__(points, carrier, law, count=count, bed=bed, corner_area=corner_area)
         self.crossings = carrier
 
-    def _named(self) -> list[Key]:
-        """The number of each pair: no face joins an outline."""
-        return [(float(k),) for k in range(self.count)]
-
-    def start(self, u: Array | None, carrier_u: Array | None, rotation: Array) -> Memory:
-        """The memory of pairs without contact forces."""
+    def first_seen(self, u: Array | None, carrier_u: Array | None) -> Observed:
+        """The pairs, and the edges that cross now."""
         surface, carried = self._observed(u, carrier_u)
-        kinematics = self.crossings.detect(
-            surface.position, carried, (surface.position, carried.position), np.zeros(self.count)
-        )
-        return Memory(
-            surface=surface,
-            kinematics=kinematics,
-            force=np.zeros((self.count, 3)),
-            anchor=np.zeros((self.count, 2)),
-            may_touch=self.crossings.present.copy(),
-            past=new_pasts(self.count),
-            compression=np.zeros(self.count),
-            rest=np.zeros(self.count),
-        )
+        middle = surface.position, carried.position
+        return surface, self.crossings.detect(surface.position, carried, middle)
+
+    def may_touch(self, rotation: Array, kinematics: ContactKinematics) -> Mask:
+        """Pairs that cross."""
+        return self.crossings.present.copy()
 
     def _observed(
         self, u: Array | None, carrier_u: Array | None
@@ -488,20 +458,12 @@ class CrossingInterface(Interface):
         """
         assert memory.kinematics.carrier is not None
         upper, lower = self._observed(u, carrier_u)
+        middle = upper.position, lower.position
         kinematics = self.crossings.detect(
-            memory.surface.position,
-            memory.kinematics.carrier,
-            (upper.position, lower.position),
-            memory.compression,
+            memory.surface.position, memory.kinematics.carrier, middle
         )
-        present = self.crossings.present.copy()
-        return memory._replace(
-            kinematics=kinematics,
-            force=np.where(present[:, None], memory.force, 0.0),
-            anchor=np.zeros_like(memory.anchor),
-            may_touch=present,
-            compression=np.where(present, memory.compression, 0.0),
-        )
+        begun = memory._replace(kinematics=kinematics, anchor=np.zeros_like(memory.anchor))
+        return begun.touching(self.crossings.present.copy())
 
     def without_corners(
         self, memory: Memory, edge: Interface, corners: Memory
@@ -534,7 +496,7 @@ class CrossingInterface(Interface):
         left[numbers[corner[off]]] = False
         self.crossings.leave_out(there[which[~off]])
         stays = self.crossings.present.copy()
-        return _touching_at(memory, stays), _touching_at(corners, left)
+        return memory.touching(stays), corners.touching(left)
 
     def apart(self, surface: SurfaceState, kinematics: ContactKinematics) -> float:
         """Depth of the one outline within the other, m; negative where it is not."""
@@ -545,13 +507,3 @@ class CrossingInterface(Interface):
         """Pairs that cross at this instant, not only at some time in its step."""
         assert memory.kinematics.carrier is not None
         return self.crossings.within(memory.surface.position, memory.kinematics.carrier.position)
-
-
-def _touching_at(memory: Memory, may_touch: Mask) -> Memory:
-    """A memory in which only some points may touch."""
-    lost = ~may_touch
-    return memory._replace(
-        force=np.where(lost[:, None], 0.0, memory.force),
-        may_touch=may_touch,
-        compression=np.where(lost, 0.0, memory.compression),
-    )

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from geometry.compat import geometry_degree, geometry_nodes
 from solver.bodies.surface_layer import Layer
-from solver.contact.quadrature import Rule, facet_rule, on_facets, on_pieces, on_polygons
+from solver.contact.quadrature import Cut, facet_rule, on_facets
 from solver.types import Array, Indices
 
 Records = tuple[NDArray[Any], ...]
@@ -107,12 +107,11 @@ def evaluate_facets(
     facet_tags: mesh.MeshTags,
     points: str,
     degree: int,
-    cuts: Array | None = None,
+    cut: Cut | None = None,
 ) -> Records:
     """Rows for all owned facets and rule points: the columns of `Evaluations`, with global nodes.
 
-    The cuts are of the surface opposite, with "gauss" only: in the plane points (n, 2) at which
-    facets are cut into pieces, in space polygons (n, k, 3) that they are cut by.
+    The rule may be one on pieces of them, that `cut` gives.
     """
     domain, kind = V.mesh, V.mesh.basix_cell()
     found = tagged_sides(domain, facet_tags)
@@ -120,12 +119,12 @@ def evaluate_facets(
     x = domain.geometry.x[geometry_nodes(domain)[found.cells], : domain.topology.dim]
     shape = basix.ufl.element("Lagrange", kind.name, degree)
     mapping = basix.ufl.element("Lagrange", kind.name, geometry_degree(domain))
-    if cuts is None:
+    if cut is None:
         rule = on_facets(len(x), facet_rule(points, degree, facet_kind(kind)))
     else:
         at = np.concatenate([origin[:, None], origin[:, None] + edges], axis=1).swapaxes(0, 1)
         corners = np.stack([_places(mapping, place, x) for place in at], axis=1)
-        rule = _cut_rule(corners, facet_kind(kind), cuts, degree)
+        rule = cut(corners, facet_kind(kind), degree)
     row, local, weight = rule
     at = origin[row] + np.einsum("ej,eji->ei", local, edges[row])
     values, places = tabulated(shape, 1, at), tabulated(mapping, 1, at)
@@ -161,14 +160,6 @@ def tabulated(element: Any, order: int, at: Array) -> Array:
     """
     table: Array = element.tabulate(order, at if len(at) else np.zeros((1, at.shape[1])))
     return table[:, : len(at)]
-
-
-def _cut_rule(corners: Array, facet: basix.CellType, cuts: Array, degree: int) -> Rule:
-    """Gauss points on pieces of facets with these first d corners, (facets, d, d)."""
-    start, legs = corners[:, 0], corners[:, 1:] - corners[:, :1]
-    if legs.shape[1] == 1:
-        return on_pieces(start, legs[:, 0], cuts, degree)
-    return on_polygons(start, legs, cuts, degree, facet)
 
 
 def _area(jacobian: Array, edges: Array) -> Array:
@@ -271,17 +262,6 @@ class Facets:
     """Polynomial degree of the displacement: 1 or 2."""
     cell: str
     """Shape of the facets: "interval", "triangle" or "quadrilateral"."""
-
-    @property
-    def outlines(self) -> Array:
-        """Places that cut the facets of a surface opposite, m (`cuts` of `contact_points`).
-
-        In the plane where facets end, (facets + 1, 2); in space corners in turn, (facets, k, 3).
-        """
-        if self.cell == "interval":
-            return self.positions[[*self.nodes[:, 0], self.nodes[-1, -1]]]
-        ring = [0, 1, 2] if self.cell == "triangle" else [0, 1, 3, 2]
-        return self.positions[self.nodes[:, ring]]
 
 
 def carrier_surface(V: fem.FunctionSpace, facet_tags: mesh.MeshTags, tag: int) -> Facets:

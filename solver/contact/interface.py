@@ -125,7 +125,7 @@ class Interface:
         if bed is not None:
             self.beds = PointBeds(bed, np.where(self.area > 0, self.area, corner_area))
         self._constant_bounds = Bounds.uniform(law.dynamic, self.count)
-        self._keys = self._named()
+        self._keys = keys_of(points)
 
     def theta_matrix(self, like: PETSc.Mat) -> PETSc.Mat:
         """(theta/gamma_h) G_T^T w G_T, the part of the theta term that stands in every tangent.
@@ -135,12 +135,8 @@ class Interface:
         assert isinstance(self.points, NitschePoints)
         return theta_matrix(self.points.points, self._pull_weight, like)
 
-    def _named(self) -> list[Key]:
-        """The key of every point; it stays the same whatever faces join."""
-        return keys_of(self.points)
-
     def keys(self) -> list[Key]:
-        """The key of every point: face and place."""
+        """The key of every point: face and place; it stays the same whatever faces join."""
         return self._keys
 
     def observe(self, u: Array | None, carrier_u: Array | None) -> Observed:
@@ -160,12 +156,16 @@ class Interface:
         meshed.augment(kinematics.place, surface.traction, self.inverse_gamma, kinematics.frame, y)
         return kinematics._replace(augmented=y)
 
+    def first_seen(self, u: Array | None, carrier_u: Array | None) -> Observed:
+        """The interface where nothing of it is remembered."""
+        return self.observe(u, carrier_u)
+
     def start(self, u: Array | None, carrier_u: Array | None, rotation: Array) -> Memory:
         """The memory of points without contact forces, by the owned unknowns of both bodies.
 
         They are None for the ground; `rotation` is that of the body of the points, (d, d).
         """
-        surface, kinematics = self.observe(u, carrier_u)
+        surface, kinematics = self.first_seen(u, carrier_u)
         y = kinematics.augmented
         return Memory(
             surface=surface,
@@ -175,7 +175,6 @@ class Interface:
             may_touch=self.may_touch(rotation, kinematics),
             past=new_pasts(self.count),
             compression=np.zeros(self.count),
-            rest=np.zeros(self.count),
         )
 
     def may_touch(self, rotation: Array, kinematics: ContactKinematics) -> Mask:
@@ -219,6 +218,19 @@ class Interface:
         """Points that may touch and are not beyond an edge of their carrier."""
         beyond = self.carrier.beyond_edge(memory.kinematics)
         return memory.may_touch if beyond is None else memory.may_touch & ~beyond
+
+    def rest(self, memory: Memory) -> Array | None:
+        """Gaps from which points are not pushed out in a step, (points,), m; None: all are 0.
+
+        Beyond an edge of the carrier nothing keeps a point from going below the surface, by a block
+        that leans a little. Once back it is held where it is: to push it out would gain energy.
+        Points with tractions are pressed in, too; `rotate_frame` tells these apart.
+        """
+        if self.corners is not None:
+            return None
+        level = memory.kinematics.place[:, 0] + memory.compression
+        sunk = level < -PENETRATION_TOLERANCE * _length(self)
+        return np.where(sunk, level, 0.0) if np.count_nonzero(sunk) else None
 
     def point_forces(
         self, old: ContactKinematics, new: ContactKinematics, force: Array
@@ -340,8 +352,7 @@ class Interface:
             after = self._gamma_column * surface.traction
             ends = _work(force, after, kinematics) + _work(old.force, before, old.kinematics)
             contact -= (1 - self.theta) * (0.5 * ends - _work(force, before, kinematics))
-        kept = old.may_touch, past, compression, old.rest
-        memory = Memory(surface, kinematics, force, anchor, *kept)
+        memory = Memory(surface, kinematics, force, anchor, old.may_touch, past, compression)
         return memory, Dissipation(friction, contact, damping)
 
 
@@ -351,46 +362,20 @@ def _work(force: Array, moved: Array, kinematics: ContactKinematics) -> float:
 
 
 PENETRATION_TOLERANCE = 1e-9
-"""Part of a face's length: points deeper than closed ones by more have sunk in elsewhere."""
-
-HELD_DEPTH = 1e-3
-"""Part of a face's length: points that are deeper beyond its edge have fallen beside it, and are
-ignored until they separate; less is the lean of a block that stands."""
+"""Part of a face's length: points deeper than closed ones by more have sunk in."""
 
 
-def _rest(interface: Interface, memory: Memory, beyond: Mask | None) -> Array:
-    """The rest gaps of a coming step, m; `beyond`: points beyond an edge of the carrier.
-
-    Beyond the edge nothing keeps a point from going below the surface, by a block that leans a
-    little. Once back over the carrier it is held where it is. As long as it carries no force this
-    follows the point; with one, the point would be lifted.
-    """
-    rest, holds = memory.rest, np.count_nonzero(memory.rest) > 0
-    outside = beyond is not None and np.count_nonzero(beyond) > 0
-    if not (holds or outside):
-        return rest
-    level = np.minimum(memory.kinematics.place[:, 0], memory.kinematics.augmented[:, 0])
-    if holds:
-        held = (rest == 0.0) | (memory.force[:, 0] > 0.0)
-        rest = np.where(held, rest, np.minimum(level, 0.0))
-    if beyond is None or not outside:
-        return rest
-    below = beyond & penetrating(interface, memory._replace(rest=np.zeros_like(rest)))
-    below &= level > -HELD_DEPTH * _length(interface)
-    if not (holds or below.any()):
-        return rest
-    return np.where(beyond, np.where(below, level, 0.0), rest)
-
-
-def _initial_penetration(interface: Interface, memory: Memory, beyond: Mask | None) -> Mask | None:
+def _sunk_in(interface: Interface, memory: Memory) -> Mask | None:
     """Points that sank in elsewhere: until they are out again contact would throw them out.
 
-    They did so far below a face and beside it, or before the face that they are on joined: Gauss
-    points of one face do not keep another from sinking in at an edge between them. None where there
-    are none. `beyond`: points beyond an edge of the carrier.
+    They did so beside a face, or before the face that they are on joined: Gauss points of one face
+    do not keep another from sinking in at an edge between them. None where there are none; points
+    without tractions are held at their depth instead (`Interface.rest`).
     """
-    may_touch, corners = memory.may_touch, interface.corners
-    outside = ~may_touch if corners is None else corners.closed_to_all(may_touch)
+    if interface.corners is None:
+        return None
+    outside = interface.corners.closed_to_all(memory.may_touch)
+    beyond = interface.carrier.beyond_edge(memory.kinematics)
     if beyond is not None:
         outside = beyond if outside is None else outside | beyond
     if outside is None or not np.count_nonzero(outside):
@@ -404,11 +389,11 @@ def _length(interface: Interface) -> float:
 
 
 def penetrating(interface: Interface, memory: Memory) -> Mask:
-    """Points deeper in the carrier, below their rest gaps, than closed ones are pressed."""
+    """Points deeper in the carrier than closed ones are pressed."""
     pressed = float(np.max(memory.force[:, 0], initial=0.0)) * interface.softness
     pressed += float(np.max(memory.compression, initial=0.0))
-    depth = memory.kinematics.place[:, 0] - memory.rest
-    deeper: Mask = depth < -pressed - PENETRATION_TOLERANCE * _length(interface)
+    limit = pressed + PENETRATION_TOLERANCE * _length(interface)
+    deeper: Mask = memory.kinematics.place[:, 0] < -limit
     return deeper
 
 
@@ -433,26 +418,14 @@ def rotate_frame(
     exchanged = 0.0
     if isinstance(interface.carrier, Face) and carrier_rotation is not None:
         memory, exchanged = _turn_face(interface, interface.carrier, memory, carrier_rotation)
-    beyond = interface.carrier.beyond_edge(memory.kinematics)
-    rest = _rest(interface, memory, beyond)
-    if rest is not memory.rest:
-        memory = memory._replace(rest=rest)
     may_touch = interface.may_touch(rotation, memory.kinematics)
-    ignored = _initial_penetration(interface, memory, beyond)
+    ignored = _sunk_in(interface, memory)
     if ignored is not None:
         may_touch &= ~ignored
     if may_touch.tobytes() == memory.may_touch.tobytes():
         return memory, exchanged
     before = interface.energy(memory)
-    y = memory.kinematics.augmented
-    memory = _at_other_faces(interface, memory, y, may_touch)
-    lost = ~may_touch
-    after = memory._replace(
-        force=np.where(lost[:, None], 0.0, memory.force),
-        anchor=np.where(lost[:, None], y[:, 1:], memory.anchor),
-        may_touch=may_touch,
-        compression=np.where(lost, 0.0, memory.compression),
-    )
+    after = _at_other_faces(interface, memory, may_touch).touching(may_touch)
     return after, exchanged + before - interface.energy(after)
 
 
@@ -474,8 +447,9 @@ def _turn_face(
     )
 
 
-def _at_other_faces(interface: Interface, memory: Memory, y: Array, may_touch: Mask) -> Memory:
+def _at_other_faces(interface: Interface, memory: Memory, may_touch: Mask) -> Memory:
     """Forces at corners moved to the points of their other faces."""
+    y = memory.kinematics.augmented
     moves = (
         [] if interface.corners is None else interface.corners.moves(memory.may_touch, may_touch)
     )

@@ -92,8 +92,7 @@ class ContactKinematics(NamedTuple):
     place: Array
     """(g, s), (m, d), m."""
     augmented: Array
-    """y = (g, s) - T/gamma_h, (m, d), m; (g, s) itself where points have no tractions, and
-    (g - rest, s) where edges cross that had sunk in."""
+    """y = (g, s) - T/gamma_h, (m, d), m; (g, s) itself where points have no tractions."""
     frame: Array
     """Rows normal and tangents that they are given in: one for all points, (d, d), or one for each
     of them, (m, d, d)."""

@@ -26,8 +26,6 @@ class Memory(NamedTuple):
             opposes the carrier; no point that came round the carrier's edge.
         past: What they remember of their friction (`solver.law.friction.PAST`), (points, PAST).
         compression: Of the bed below them, (points,), m; 0 where there is none.
-        rest: Gaps from which points that were below their carrier's surface beyond its edge are not
-            pushed out, since that would gain energy; 0 for others, (points,), m.
         clear: How far the points and their carrier may move, together, before they have to be
             observed, m: an interface far from contact. Until then all else stays as it was
             when that was done last. 0 where every step does so.
@@ -40,7 +38,6 @@ class Memory(NamedTuple):
     may_touch: Mask
     past: Array
     compression: Array
-    rest: Array
     clear: float = 0.0
 
     @property
@@ -65,9 +62,15 @@ class Memory(NamedTuple):
             kept[name] = values
         return self._replace(**kept)
 
-    def until(self, clear: float) -> Memory:
-        """This memory with another `clear`, m."""
-        return self._replace(clear=clear)
+    def touching(self, may_touch: Mask) -> Memory:
+        """This memory where only some points may touch: the others let go of what they hold."""
+        lost = ~may_touch
+        return self._replace(
+            force=np.where(lost[:, None], 0.0, self.force),
+            anchor=np.where(lost[:, None], self.kinematics.augmented[:, 1:], self.anchor),
+            may_touch=may_touch,
+            compression=np.where(lost, 0.0, self.compression),
+        )
 
 
 KINEMATICS = ("surface", "kinematics", "clear")

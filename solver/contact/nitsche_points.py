@@ -17,6 +17,7 @@ from dolfinx import fem, mesh
 
 from solver.bodies.surface_layer import Layer
 from solver.contact.facets import Evaluations, evaluate_facets, extent, gather
+from solver.contact.quadrature import Cut
 from solver.scene.material import Material
 from solver.types import Array, Indices
 
@@ -235,23 +236,21 @@ def contact_points(
     *,
     points: str,
     gamma: float,
-    cuts: Array | None = None,
+    cut: Cut | None = None,
 ) -> ContactPoints:
     """The contact points of all tagged boundary facets of a body; the same on every rank.
 
-    They are "nodes" or "gauss"; gamma is Nitsche's parameter without dimension. The cuts say where
-    the facets of the surface opposite lie in the undeformed body, m: the facets here are integrated
-    on the common refinement of both ("gauss" only), which alone passes the patch test. In the plane
-    they are the ends of those facets, (n, 2); in space their corners in turn, (n, k, 3).
+    They are "nodes" or "gauss"; gamma is Nitsche's parameter without dimension. `cut` gives Gauss
+    points on pieces of the facets.
 
     Raises:
-        ValueError: For cuts with "nodes", and as `facet_rule`.
+        ValueError: For pieces with "nodes", and as `facet_rule`.
     """
-    if cuts is not None and points != "gauss":
+    if cut is not None and points != "gauss":
         raise ValueError(f"contact_points: got cuts with points at {points!r}, allowed 'gauss'")
     degree = V.ufl_element().degree
     size = extent(V.mesh)
-    table, layer = gather(V, evaluate_facets(V, facet_tags, points, degree, cuts), size)
+    table, layer = gather(V, evaluate_facets(V, facet_tags, points, degree, cut), size)
     return ContactPoints(
         table,
         layer,

@@ -1,8 +1,8 @@
 """Pairs of bodies that may touch, and the interfaces between them that are active.
 
-A block and what carries it at the start are a pair throughout. Any other two bodies are one while
-they are near: then two of their faces look at each other, those along whose normals they are apart,
-or overlap least (the separating axis theorem).
+Two bodies are active while they are near, a block and what carries it at the start always: then two
+of their faces look at each other, those along whose normals they are apart, or overlap least (the
+separating axis theorem).
 """
 
 from __future__ import annotations
@@ -12,14 +12,12 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-from dolfinx import mesh
 
 from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.kinematics import RigidMotion
 from solver.contact.carriers import Carrier, Face
 from solver.contact.edge_crossings import CrossingInterface, Crossings
-from solver.contact.facets import evaluate_facets, extent, gather
 from solver.contact.hull import (
     Floor,
     PlacedHull,
@@ -28,12 +26,9 @@ from solver.contact.hull import (
     separating_face,
 )
 from solver.contact.interface import Interface
-from solver.contact.surfaces import BlockSurface, nitsche_points, outline_of, outline_points
+from solver.contact.surfaces import BlockSurface, outline_of, outline_points
 from solver.scene import Bed, FrictionSpec
 from solver.types import Array
-
-FACING = -0.5
-"""Cosine of the angle between a face's normal and the carrier's below which the face joins."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,139 +67,46 @@ class Bodies(Protocol):
 class ContactPair(Protocol):
     """Two bodies that may touch, and the interfaces between them.
 
-    What is active of them is a value that pairs of one kind understand: tags of faces, or a
-    `ActiveFaces`.
+    What is active of them is a value that only the pair itself understands.
 
     Attributes:
-        body: Number of the body whose points these are; None for what is fixed to the ground.
+        body: Number of the first body.
+        on: Number of the second body; None for what is fixed to the ground.
+        turns: True if the second body turns: it is a block.
+        looked: What was found active last; None before the first look.
+        slack: Distance that both may move, together, before something else can be, m.
+        reach: Distance by which a turn by an angle moves any of their points against the other's
+            faces, at most, m.
     """
 
-    body: int | None
+    body: int
+    on: int | None
+    turns: bool
+    looked: tuple[Any] | None
+    slack: float
+    reach: float
 
     def active(self, bodies: Bodies, before: Any) -> Any:
         """What is active in a step, by what was before it; None before the first."""
+
+    def overlaps(self, bodies: Bodies) -> bool:
+        """True if the bodies are in one another."""
 
     def faces(self, active: Any) -> frozenset[int]:
         """Tags of the faces of the body whose points with tractions are active."""
 
     def links(self, active: Any, shared: frozenset[int]) -> tuple[Link, ...]:
-        """The interfaces, made anew; collective. The theta terms of `shared` faces are others'."""
-
-
-class MeshedContactPair:
-    """The faces of a meshed body, and what carries it.
-
-    Every boundary facet is a candidate. But the theta term of Nitsche's method and the tractions of
-    a face cost time in every iteration, so a face joins when it has turned to within 60 degrees of
-    facing its carrier, which a block that stands, slides or rocks never lets its sides do; one that
-    tips over does, before it touches with them. Faces that have joined stay.
-    """
-
-    def __init__(
-        self,
-        member: ElasticBody,
-        facet_tags: mesh.MeshTags,
-        carrier: Carrier,
-        law: FrictionSpec,
-        *,
-        points: str = "nodes",
-        gamma: float = 100.0,
-        theta: int = 1,
-        body: int = 0,
-        on: int | None = None,
-        cuts: Array | None = None,
-        bed: Bed | None = None,
-    ):
-        """Take what `contact_points` and `Interface` need.
-
-        Args:
-            member: The body.
-            facet_tags: Tags of its boundary facets.
-            carrier: What carries it.
-            law: Friction.
-            points: "nodes" or "gauss".
-            gamma: Nondimensional Nitsche parameter.
-            theta: Variant of Nitsche's method.
-            body: Number of the body in its system.
-            on: Number of the body that carries it; None for the ground.
-            cuts: As for `contact_points`.
-            bed: Springs and dashpots between points and carrier.
-        """
-        self.body: int | None = body
-        self._on, self._carrier = on, carrier
-        self._member, self._tags, self._law = member, facet_tags, law
-        self._points, self._gamma, self._theta, self._cuts = points, gamma, theta, cuts
-        self._bed = bed
-        space = member.space
-        records = evaluate_facets(space, facet_tags, points, space.ufl_element().degree)
-        facets, _ = gather(space, records, extent(space.mesh))
-        self._face, self._outward = facets.tag, np.ascontiguousarray(facets.normal)
-        self._found: dict[bytes, frozenset[int]] = {}  # faces, by the facets that are turned there
-        # The bottom is always active: the gaps in the history are those of its corners.
-        self._always: frozenset[int] = frozenset({int(FacetTag.BOTTOM)})
-
-    def active(self, bodies: Bodies, before: frozenset[int] | None) -> frozenset[int]:
-        """Tags of the bottom, of faces that were active, and of those turned to the carrier."""
-        frame = self._carrier.frame
-        if before is None and isinstance(self._carrier, Face):
-            frame = self._carrier.reference_frame @ bodies.rotation(self._on).T
-        towards = self._outward @ (frame[0] @ bodies.rotation(self.body)) < FACING
-        key = towards.tobytes()
-        if key not in self._found:
-            self._found[key] = self._always.union(map(int, self._face[towards]))
-        found = self._found[key]
-        if before is None or found == before:
-            return found
-        return before | found
-
-    def faces(self, active: frozenset[int]) -> frozenset[int]:
-        """Tags of the active faces."""
-        return active
-
-    def links(self, active: frozenset[int], shared: frozenset[int]) -> tuple[Link, ...]:
-        """The interface of the active faces, made anew; collective."""
-        points = nitsche_points(
-            self._member,
-            self._tags,
-            active,
-            points=self._points,
-            gamma=self._gamma,
-            cuts=self._cuts,
-        )
-        interface = Interface(
-            points, self._carrier, self._law, theta=self._theta, bed=self._bed, shared=shared
-        )
-        return (Link(interface, self.body, self._on),)
-
-
-class FixedContactPair:
-    """Points that are active from the beginning to the end: of rigid bodies, of edges."""
-
-    def __init__(self, interface: Interface, *, body: int | None, on: int | None):
-        """Take the interface, and the numbers of the body of its points and of what they touch."""
-        self.body = body
-        self._links = (Link(interface, body, on),)
-
-    def active(self, bodies: Bodies, before: frozenset[int] | None) -> frozenset[int]:
-        """No face ever joins."""
-        return frozenset()
-
-    def faces(self, active: frozenset[int]) -> frozenset[int]:
-        """No faces: these points have no tractions."""
-        return active
-
-    def links(self, active: frozenset[int], shared: frozenset[int]) -> tuple[Link, ...]:
-        """The interface that was given."""
-        return self._links
+        """The interfaces; collective. The theta terms of `shared` faces are others'."""
 
 
 class ActiveFaces(NamedTuple):
     """Two faces that look at each other.
 
     Attributes:
-        first: Tag of that of the first body.
-        second: Number of that of the second body: its tag, or 0 of a floor.
-        faces: Tags of the faces of the first body that are turned towards the second's.
+        first: Tag of that of the first body; `FLOOR` where an endless plane looks at it.
+        second: That of the second body; `FLOOR` of what is no block.
+        faces: Tags of the faces of the first body that are turned towards the second's, or were so
+            since that looks at it.
     """
 
     first: int
@@ -214,6 +116,11 @@ class ActiveFaces(NamedTuple):
 
 FLOOR = 0
 """Number of the only face of what is no block."""
+
+FACING = -0.5
+"""Cosine of the angle between a face's normal and that of the second body's face, below which its
+points are active. A block that stands, slides or rocks never lets its sides do so, which would cost
+time in every iteration; one that tips over does, before it touches with them."""
 
 NEAR = 0.01
 """Part of the smaller body's size below which two bodies are near: their faces are active. They
@@ -240,15 +147,7 @@ class FacePair:
     """Two bodies of which faces look at each other.
 
     The points of the first are pressed on a face of the second, the outline of that on a face of
-    the first; in space, edges cross.
-
-    Attributes:
-        on: Number of the second body; None for what is fixed to the ground.
-        turns: True if the second body turns: it is a block.
-        looked: What was found active last; None before the first look.
-        slack: Distance that both may move, together, before something else can be, m.
-        reach: Distance by which a turn by an angle moves any of their points against the other's
-            faces, at most, m.
+    the first; in space, edges cross. An endless plane has no outline.
     """
 
     def __init__(
@@ -269,16 +168,18 @@ class FacePair:
             law: Friction.
             bed: Springs and dashpots between them.
             stands: True if the first stands on the second at the start: with its bottom on a top.
-                Some faces of theirs are active then, wherever they are.
+                Some faces of theirs are active then, wherever they are, the bottom always while the
+                second body's face is that top.
         """
-        self.body: int | None = first.number
-        self.on = second.number
+        self.body, self.on = first.number, second.number
         self.turns = isinstance(second, BlockSurface)
         self._first, self._second, self._law, self._bed = first, second, law, bed
         self._stands, self._size = stands, min(first.hull.size, second.hull.size)
-        self.looked: tuple[ActiveFaces | None] | None = None
+        self._only_turns = stands and not second.has_outline  # nothing else changes what is active
+        self.looked: tuple[Any] | None = None
         self.slack = self.reach = 0.0
         self._lower: dict[int, Carrier] = {}  # faces of the second body
+        self._own: dict[tuple[int, frozenset[int], frozenset[int]], Interface] = {}
         self._outlines: dict[tuple[int, int], list[Interface]] = {}
 
     # ------------------------------------------------------------- which faces
@@ -287,7 +188,9 @@ class FacePair:
         """The faces that look at each other in a step; None where the bodies are not near."""
         if before is None and self._stands:
             top = self._second.tags[self._second.top]
-            before = ActiveFaces(int(FacetTag.BOTTOM), top, frozenset({int(FacetTag.BOTTOM)}))
+            bottom = int(FacetTag.BOTTOM)
+            seen = bottom if self._second.has_outline else FLOOR
+            before = ActiveFaces(seen, top, frozenset({bottom}))
         now, first, second = self._placed(bodies.unknowns)
         ahead, _, _ = self._placed(bodies.ahead)
         size = self._size
@@ -305,7 +208,7 @@ class FacePair:
             one, other = opposite_face(first, second.normals[best - count]), best - count
         tag, number = self._first.tags[one], self._second.tags[other]
         slack = self._slack(now, one, count + other)
-        if before is not None:
+        if before is not None and not self._only_turns:
             slack = min(slack, near - apart)
         if float(first.normals[one] @ second.normals[other]) > MUTUAL:
             slack = 0.0
@@ -316,18 +219,17 @@ class FacePair:
         faces |= {tag}
         if before is not None and before.second == number:
             faces |= before.faces
-        return self._keep(ActiveFaces(tag, number, faces), bodies, slack)
+        seen = tag if self._second.has_outline else FLOOR
+        return self._keep(ActiveFaces(seen, number, faces), bodies, slack)
 
-    def overlaps(self, bodies: Bodies, active: ActiveFaces | None) -> bool:
-        """True if the bodies are in one another, though no faces of theirs were active so far."""
-        if active is not None:
-            return False
+    def overlaps(self, bodies: Bodies) -> bool:
+        """True if the bodies are in one another."""
         now, _, _ = self._placed(bodies.unknowns)
         return float(now.max()) < -HELD * self._size
 
     def _numbers(self, meeting: ActiveFaces | None, count: int) -> list[int]:
         """The faces of a meeting by their numbers among the gaps; `count`: those of the first."""
-        if meeting is None:
+        if meeting is None or meeting.first == FLOOR:
             return []
         other = count + self._second.tags.index(meeting.second)
         return [self._first.tags.index(meeting.first), other]
@@ -356,7 +258,7 @@ class FacePair:
             other = self._second.body.centre + bodies.motion(self._second.number).moved
             size += float(np.abs(middle - other).max())
         self.looked, self.slack = (active,), 0.5 * slack
-        self.reach = d**0.5 * size + self.slack
+        self.reach = d**0.5 * size + self.slack if np.isfinite(slack) else 0.0
         return active
 
     # ------------------------------------------------------------- interfaces
@@ -370,22 +272,24 @@ class FacePair:
     def links(self, active: ActiveFaces | None, shared: frozenset[int]) -> tuple[Link, ...]:
         """The interfaces between the faces; collective.
 
-        That of the points is made anew, those of outlines are kept: their points stay the same.
+        Each is made once: those of points that stay the same are kept.
         """
         if active is None:
             return ()
         if active.second not in self._lower:
             self._lower[active.second] = self._second.face(active.second, BESIDE_CARRIED)
-        lower = self._lower[active.second]
-        own = self._first.over(lower, self._law, active.faces, shared=shared, bed=self._bed)
-        links = [Link(own, self.body, self.on, stands=self._stands)]
+        lower, faces = self._lower[active.second], self.faces(active)
+        key = active.second, faces, shared
+        if key not in self._own:
+            self._own[key] = self._first.over(lower, self._law, faces, shared=shared, bed=self._bed)
+        links = [Link(self._own[key], self.body, self.on, stands=self._stands)]
         if isinstance(lower, Face):
-            faces = active.first, active.second
-            if faces not in self._outlines:
+            facing = active.first, active.second
+            if facing not in self._outlines:
                 upper = self._first.face(active.first, BESIDE_BELOW)
                 beside = edge_interfaces(upper, lower, self._first.thickness, self._law, self._bed)
-                self._outlines[faces] = beside
-            edge, *crossings = self._outlines[faces]
+                self._outlines[facing] = beside
+            edge, *crossings = self._outlines[facing]
             links.append(Link(edge, self.on, self.body, stands=self._stands))
             links += [Link(each, self.body, self.on, stands=self._stands) for each in crossings]
         return tuple(links)
@@ -419,6 +323,7 @@ class FloorSurface:
     def __init__(self, carrier: Carrier, number: int | None, dimension: int):
         """Take its surface and its number in the system; None where it does not move."""
         self.number, self._carrier = number, carrier
+        self.has_outline = isinstance(carrier, Face)
         points = carrier.points if isinstance(carrier, Face) else None
         self.hull = Floor(points, dimension)
 

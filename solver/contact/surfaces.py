@@ -58,6 +58,8 @@ class BlockSurface:
         top: Number of the top among them.
     """
 
+    has_outline = True
+
     def __init__(
         self,
         body: ElasticBody | RigidBox,
@@ -120,26 +122,15 @@ class BlockSurface:
             return Interface(points, carrier, law, bed=bed)
         assert self._facet_tags is not None
         how = self._contact
-        own = nitsche_points(self.body, self._facet_tags, faces, points=how.points, gamma=how.gamma)
+        chosen = np.isin(self._facet_tags.values, list(faces))
+        indices, values = self._facet_tags.indices[chosen], self._facet_tags.values[chosen]
+        space = self.body.space
+        tags = mesh.meshtags(space.mesh, self._facet_tags.dim, indices, values)
+        own = NitschePoints(
+            self.body,
+            contact_points(space, tags, self.body.material, points=how.points, gamma=how.gamma),
+        )
         return Interface(own, carrier, law, theta=how.theta, bed=bed, shared=shared)
-
-
-def nitsche_points(
-    body: ElasticBody,
-    facet_tags: mesh.MeshTags,
-    faces: frozenset[int],
-    *,
-    points: str,
-    gamma: float,
-    cuts: Array | None = None,
-) -> NitschePoints:
-    """The contact points of some faces of a meshed body; arguments as of `contact_points`."""
-    chosen = np.isin(facet_tags.values, list(faces))
-    tags = mesh.meshtags(
-        body.space.mesh, facet_tags.dim, facet_tags.indices[chosen], facet_tags.values[chosen]
-    )
-    found = contact_points(body.space, tags, body.material, points=points, gamma=gamma, cuts=cuts)
-    return NitschePoints(body, found)
 
 
 def nodes_at(body: ElasticBody, places: Array) -> NodePoints:

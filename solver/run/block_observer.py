@@ -15,7 +15,7 @@ from solver.contact.body_points import Key, NitschePoints, SurfaceState
 from solver.contact.carriers import Face
 from solver.contact.kinematics import in_space
 from solver.contact.memory import Memory
-from solver.contact.pairs import ActiveFaces, Link
+from solver.contact.pairs import Link
 from solver.history.block_columns import (
     has_lost_carrier,
     lean_in_space,
@@ -56,7 +56,7 @@ class BlockObserver:
         self._links: Sequence[Link] = ()
         self._number, self._others = 0, list[int]()
         self._take(stepper.links)
-        self._home = self._faces(state)
+        self._home = self._face(state)
         self._home_carrier = stepper.links[self._number].interface.carrier
         self._own = stepper.system.slices[member.number]
         d = stepper.system.dimension
@@ -88,10 +88,10 @@ class BlockObserver:
             and not (link.stands and {link.body, link.carrier} != {own, below})
         ]
 
-    def _faces(self, state: State) -> int | None:
-        """The face of what carries the block that it meets; None where that has but one."""
-        active = state.active[self._member.number]
-        return active.second if isinstance(active, ActiveFaces) else None
+    def _face(self, state: State) -> int:
+        """The face of what carries the block that it meets."""
+        face: int = state.active[self._member.number].second
+        return face
 
     def saved(self) -> tuple[Any, ...]:
         """Values carried on from step to step, for `resume`."""
@@ -135,7 +135,7 @@ class BlockObserver:
         system, number = self._stepper.system, self._member.number
         self._write_motion(state.rigid_motion(system, number), row)
         carrier, place = self._interface.carrier, memory.kinematics.carrier
-        if self._faces(state) != self._home:  # it meets another face of what carried it
+        if self._face(state) != self._home:  # it meets another face of what carried it
             row[self._slips] = self._slip
             carrier, place = self._home_carrier, self._home_place(state)
         elif not self._write_slip(memory, row):

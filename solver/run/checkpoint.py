@@ -27,7 +27,7 @@ from solver.scene import Scene
 from solver.scene.output import CheckpointSpec
 from solver.scene.reader import differing
 
-FORMAT = 19
+FORMAT = 20
 """Version of the layout of the file."""
 
 NAME = "checkpoint.npz"
@@ -50,7 +50,6 @@ TYPES = {
     "solver.scheme.generalized_alpha": ("TangentWeights",),
     "solver.scheme.step_control": ("Ladder",),
     "solver.stepping.delassus": ("Delassus",),
-    "solver.stepping.impulses": ("MassOperator",),
     "solver.stepping.local_error": ("Past",),
     "solver.stepping.response": ("CandidateSet", "DenseConfiguration", "ElasticCoupling"),
     "solver.stepping.state": ("State", "RotationPrediction"),

@@ -26,10 +26,10 @@ from solver.run.observer import Observer
 from solver.run.pair_observer import PairObserver
 from solver.scene import Scene
 from solver.scheme.step_control import Ladder, Tolerance
+from solver.stepping.contact_solve import StepFailed
 from solver.stepping.interfaces import InterfaceState
 from solver.stepping.local_error import Judge, LocalError
 from solver.stepping.state import Exchange, State
-from solver.stepping.stepper import StepFailed
 from solver.types import Array
 
 

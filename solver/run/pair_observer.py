@@ -10,7 +10,6 @@ import numpy as np
 
 from solver.build.assembly import Assembly
 from solver.contact.hull import gaps
-from solver.contact.pairs import FloorSurface
 from solver.history.events import Meeting
 from solver.history.pairs import pair_tangents
 from solver.results.meetings import Contacts
@@ -67,8 +66,8 @@ class PairObserver:
         members = assembly.members
         self.names = (*(member.spec.name for member in members), GROUND)
         self._surfaces = [member.surface for member in members]
-        self._support = support = assembly.support
-        self._floor = FloorSurface(support.carrier(), support.number, self._d)
+        self._floor = assembly.floor
+        self._support = assembly.support
         self._ground = len(members)
         self._times = [_crossing_time(member.spec, scene) for member in members]
         numbers = {name: k for k, name in enumerate(self.names)}

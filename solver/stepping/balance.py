@@ -22,7 +22,6 @@ from solver.scheme.generalized_alpha import GeneralizedAlpha, TangentWeights
 from solver.stepping.convergence import ResidualTolerance
 from solver.stepping.interfaces import StepStart
 from solver.stepping.ledger import StepEnds, energies
-from solver.stepping.nonlinear import NewtonOutcome
 from solver.stepping.point_table import joined
 from solver.stepping.state import RotationPrediction, State
 from solver.stepping.system import Body, System
@@ -173,18 +172,18 @@ class Contact(NamedTuple):
 
 
 class StepSolution(NamedTuple):
-    """The solution of a balance, and how the iteration came to it."""
+    """The solution of a balance."""
 
     u: Array
     """Displacement of the owned unknowns, m."""
     contacts: Sequence[Contact]
-    """Interfaces and point forces; empty where the iteration did not converge."""
+    """Interfaces and point forces."""
     residual: Array
     """Rest of the out-of-balance force, N."""
     inertia: Array
     """M (u - u_n - dt v_n), kg m; zero in equilibrium."""
-    outcome: NewtonOutcome
-    """Outcome of the iteration."""
+    iterations: int
+    """Corrections that it took."""
     held: Array
     """The residual at the unknowns that do not move, `System.fixed`, N."""
 
@@ -314,10 +313,10 @@ def remembered(
     memories, lost = [], []
     for link, before, c in zip(links, old, contacts, strict=True):
         if c.was_skipped(before):
-            memories.append(before.until(c.clear))
+            memories.append(before._replace(clear=c.clear))
             continue
         after = link.interface.remember(before, c.surface, c.kinematics, c.force, c.bounds, dt)
-        memories.append(after[0].until(c.clear) if c.clear else after[0])
+        memories.append(after[0]._replace(clear=c.clear))
         lost.append(after[1])
     return memories, Dissipation(*map(sum, zip(NOTHING_LOST, *lost, strict=True)))
 

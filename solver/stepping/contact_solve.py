@@ -51,11 +51,8 @@ PLACED_CORRECTIONS = 2
 """Corrections of a step with new positions of the bodies: later ones hardly turn them."""
 
 
-class Iterate(NamedTuple):
-    """A displacement u, and the state of each interface at it."""
-
-    u: Array
-    seen: Sequence[Observed]
+class StepFailed(Exception):
+    """The nonlinear solve of a step did not converge."""
 
 
 class ActivePair(NamedTuple):
@@ -106,8 +103,9 @@ class StepProblem:
         self._frames = model.points.frames
         if model.points.turns:
             tangents.operator = None
-        self._iterate = Iterate(guess, ())
-        self._kinematics: Kinematics = []  # at the iterate
+        # At the iterate: its displacement, the state of each interface, and kinematics.
+        self._u, self._seen = guess, self._remembered
+        self._kinematics: Kinematics = []
         self._configurations: Sequence[Any] = ()
         self._corrections = 0
         self.held: Array = np.empty(0)
@@ -132,7 +130,7 @@ class StepProblem:
         if len(fixed):
             self.held = residual.take(fixed)
             residual.put(fixed, 0.0)
-        self._iterate, self._kinematics = Iterate(u, seen), kinematics
+        self._u, self._seen, self._kinematics = u, seen, kinematics
         self._residual = residual
         return residual
 
@@ -171,7 +169,7 @@ class StepProblem:
         """Free step, local contact problem, and the response to the change of the point forces."""
         self._corrections += 1
         if self._corrections <= PLACED_CORRECTIONS:
-            u = self._iterate.u
+            u = self._u
             self._configurations = [response.at(u[own], was) for response, own, was in self._bodies]
         y, self._beyond = self._positions(), self._points_beyond()
         free = self._free(residual, y)
@@ -201,7 +199,7 @@ class StepProblem:
 
         With what is left of beds' compression. A copy: it is written to.
         """
-        y: Array = copied([seen.augmented for _, seen in self._iterate.seen])
+        y: Array = copied([seen.augmented for _, seen in self._seen])
         if self.contact.beds is not None:
             y[:, 0] += self.contact.beds.offset
         if self.contact.rest is not None:
@@ -276,9 +274,7 @@ class StepProblem:
         found, active_set = [], self.active_set
         for number, own in enumerate(self._points.own):
             inactive = active_set.inactive[number]
-            surface, kinematics = (
-                active_set.seen(number) if inactive else self._iterate.seen[number]
-            )
+            surface, kinematics = active_set.seen(number) if inactive else self._seen[number]
             force, bounds = self.contact.force[own], self.contact.friction.bounds[number]
             found.append(Contact(surface, kinematics, force, bounds, active_set.clear(number)))
         return found
@@ -335,7 +331,11 @@ class ContactSolve:
         self._model.margin.reset(saved["seen"])
 
     def solve(self, balance: Balance, guess: Array) -> StepSolution:
-        """Solve a balance from a guess of the displacement and the last point forces."""
+        """Solve a balance from a guess of the displacement and the last point forces.
+
+        Raises:
+            StepFailed: No solution was found.
+        """
         margin = self._model.margin
         if balance.static:
             self._hold_touching(balance)
@@ -347,15 +347,22 @@ class ContactSolve:
         u, outcome = self._solver.solve(problem, guess, tolerance)
         if not outcome.converged and self._restiffens(balance):
             return self.solve(balance, guess)
+        iterations = outcome.iterations
         while outcome.converged and problem.continues(u):
-            before = outcome.iterations
             u, outcome = self._solver.solve(problem, u, tolerance)
-            outcome = outcome._replace(iterations=outcome.iterations + before)
-        if outcome.converged and problem.active_set.overran:
-            outcome = outcome._replace(converged=False, reason="bodies move too far in one step")
-        contacts = problem.contacts() if outcome.converged else []
-        residual = self._solver.residual
-        return StepSolution(u, contacts, residual, problem.inertia, outcome, problem.held)
+            iterations += outcome.iterations
+        if not outcome.converged:
+            raise StepFailed(f"SNES: {outcome.reason}, residual {outcome.residual:.2e} N")
+        if problem.active_set.overran:
+            raise StepFailed("bodies move too far in one step")
+        return StepSolution(
+            u=u,
+            contacts=problem.contacts(),
+            residual=self._solver.residual,
+            inertia=problem.inertia,
+            iterations=iterations,
+            held=problem.held,
+        )
 
     def _restiffens(self, balance: Balance) -> bool:
         """Give meshed bodies the stiffness of the strained state of a step that failed, once."""

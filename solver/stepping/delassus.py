@@ -2,7 +2,8 @@
 
     W = w_c sum over bodies G K^-1 G^T + softness,      m points, d rows each
 
-with the softness of Nitsche's method, and in the normal direction of beds below the points.
+with the softness of Nitsche's method, and in the normal direction of beds below the points. At
+velocity level masses stand in the place of tangents, and nothing is soft.
 
 One is kept for each set of tangents, and made anew where its points or the configurations of the
 bodies have changed; where carriers turn, and feet move from step to step, in each solve.

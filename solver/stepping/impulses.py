@@ -12,12 +12,14 @@ from solver.bodies.factorization import Inverse, MassInverse
 from solver.bodies.reduced_body import ReducedBody
 from solver.bodies.rigid_body import DenseBody
 from solver.contact.kinematics import in_frames
+from solver.contact.nitsche_points import same
 from solver.contact.pairs import Link
 from solver.kernels import meshed
 from solver.law.friction import Bounds
 from solver.law.local_problem import LocalProblem, image
 from solver.law.velocity import impulse_correction
 from solver.stepping.balance import Contact
+from solver.stepping.delassus import Delassus, assembled
 from solver.stepping.point_table import PointTable, joined
 from solver.stepping.response import CandidateSet, repeat_compliances, saved_compliances
 from solver.stepping.system import System, response_of
@@ -44,24 +46,6 @@ class VelocityCorrection(NamedTuple):
 
 UNCHANGED = VelocityCorrection(np.zeros(1), 0.0, 0.0, 0.0, None)
 """The correction where no point is closed, or none was found; on all ranks alike."""
-
-
-class MassOperator(NamedTuple):
-    """G M^-1 G^T of closed points.
-
-    Attributes:
-        key: Numbers of the closed points, as bytes.
-        near: The points, their frames and kinematics.
-        configurations: Configurations of the bodies.
-        couplings: How the points act on each body.
-        W: (m, d, m, d), 1/kg.
-    """
-
-    key: bytes
-    near: CandidateSet
-    configurations: Sequence[Any]
-    couplings: Sequence[Any]
-    W: Array
 
 
 def largest_reversal(closed: Indices, first: Indices, force: Array, velocity: Array) -> float:
@@ -106,13 +90,13 @@ class VelocityImpulses:
             [np.full(link.interface.count, turns or link.interface.carrier.turns) for link in links]
         )
         self._any_changes = bool(self._changes.any())
-        self._kept: MassOperator | None = None
+        self._kept: Delassus | None = None
 
-    def saved(self) -> tuple[list[Any], MassOperator | None]:
+    def saved(self) -> tuple[list[Any], Delassus | None]:
         """State that the digits of further corrections depend on, for `resume`."""
         return saved_compliances(self._responses), self._kept
 
-    def resume(self, saved: tuple[list[Any], MassOperator | None]) -> None:
+    def resume(self, saved: tuple[list[Any], Delassus | None]) -> None:
         """Go on as others would from where they were saved; collective."""
         repeat_compliances(self._responses, saved[0])
         self._kept = saved[1]
@@ -176,7 +160,7 @@ class VelocityImpulses:
         apart[i, 0, i, 0] = W[i, 0, i, 0]
         return velocity, apart
 
-    def _change(self, operator: MassOperator, impulse: Array) -> Array:
+    def _change(self, operator: Delassus, impulse: Array) -> Array:
         """Change of the velocity of all owned unknowns by impulses (m, d) at the closed points."""
         parts = []
         for response, at, coupling in zip(
@@ -186,25 +170,25 @@ class VelocityImpulses:
             parts.append(response.respond(at, *how, response.at_rest()))
         return joined(parts)
 
-    def _operator(self, closed: Indices, u: Array, contacts: Sequence[Contact]) -> MassOperator:
-        """The operator of the closed points; the last one where nothing else can have changed."""
-        key = closed.tobytes()
-        if self._kept is not None and self._kept.key == key:
+    def _operator(self, closed: Indices, u: Array, contacts: Sequence[Contact]) -> Delassus:
+        """G M^-1 G^T of the closed points; the last one where nothing else can have changed."""
+        kept = self._kept
+        if kept is not None and same(closed, kept.near.number):
             if not self._any_changes or not self._changes[closed].any():
-                return self._kept
-        frames = self._points.frames_at(closed)
+                return kept
         kinematics = [contact.kinematics for contact in contacts]
-        near = CandidateSet(closed, frames, kinematics)
-        W = np.zeros((*frames.shape[:2], *frames.shape[:2]))
-        configurations = [
-            response.of_mass(u[own])
-            for response, own in zip(self._responses, self.system.slices, strict=True)
-        ]
-        couplings = [
-            response.couple(at, near, 1.0, W)
-            for response, at in zip(self._responses, configurations, strict=True)
-        ]
-        self._kept = MassOperator(key, near, configurations, couplings, W)
+        self._kept = assembled(
+            self._responses,
+            [
+                response.of_mass(u[own])
+                for response, own in zip(self._responses, self.system.slices, strict=True)
+            ],
+            CandidateSet(closed, self._points.frames_at(closed), kinematics),
+            contact_weight=1.0,
+            softness=self._points.no_bed,
+            beds=None,
+            softening=None,
+        )
         return self._kept
 
     def _velocity(self, u: Array, v: Array, contacts: Sequence[Contact]) -> Array:

@@ -12,7 +12,7 @@ from solver.contact.carriers import Face
 from solver.contact.edge_crossings import CrossingInterface, Crossings
 from solver.contact.interface import carry_over, rotate_frame
 from solver.contact.memory import Memory
-from solver.contact.pairs import TURN, ContactPair, FacePair, Link
+from solver.contact.pairs import TURN, ContactPair, Link
 from solver.stepping.state import State
 from solver.stepping.system import System
 from solver.types import Array, Mask
@@ -98,88 +98,60 @@ class BodiesInStep:
         return self._state.rigid_motion(self._system, body)
 
 
-class Travel:
-    """How far bodies have moved and turned on their ways so far, at most.
-
-    Attributes:
-        way: Sums of the moves of their centres, with a last 0 for what stands still, m.
-        turn: Sums of the changes of their rotations' entries.
-        speed: Their speeds, m/s.
-        spin: Their angular velocities, rad/s.
-    """
-
-    def __init__(self, count: int):
-        """Begin with so many bodies that have not moved."""
-        self.way, self.turn, self.speed, self.spin = np.zeros((4, count + 1))
-        self._moved: Array | None = None
-        self._rotation: Array = self.way
-
-    def read(self, motions: Sequence[RigidMotion]) -> None:
-        """Take in where bodies are now."""
-        moved = np.array([motion.moved for motion in motions])
-        rotation = np.array([motion.rotation for motion in motions])
-        if self._moved is not None:
-            self.way[:-1] += np.abs(moved - self._moved).sum(axis=1)
-            self.turn[:-1] += np.abs(rotation - self._rotation).sum(axis=(1, 2))
-        self._moved, self._rotation = moved, rotation
-        self.speed[:-1] = [np.abs(motion.velocity).sum() for motion in motions]
-        self.spin[:-1] = [np.abs(motion.spin).sum() for motion in motions]
-
-
-class FaceWatch:
+class PairWatch:
     """Which pairs have to be looked at again since bodies have moved.
 
-    What it says depends on the ways that bodies went; what is found active does not, since other
-    faces can not be before.
+    What it says depends on when pairs were looked at; what is found active does not, since nothing
+    else can be before.
     """
 
     def __init__(self, system: System, pairs: Sequence[ContactPair]):
-        """Watch those of the pairs that have faces."""
-        self._system = system
-        self.pairs = {k: pair for k, pair in enumerate(pairs) if isinstance(pair, FacePair)}
-        self._place = {number: k for k, number in enumerate(self.pairs)}
-        still = len(system.bodies)
-        ends = [
-            (pair.body, pair.on if pair.turns and pair.on is not None else still)
-            for pair in self.pairs.values()
-        ]
-        self._first, self._second = np.array(ends, dtype=np.int64).reshape(-1, 2).T
-        self._travel = Travel(still)
-        self._way, self._turn, self._reach, self._slack = np.zeros((4, len(ends)))
+        """Watch the pairs."""
+        self._system, self._pairs = system, pairs
+        d, still = system.dimension, len(system.bodies)
+        self._ends = np.array(
+            [
+                (pair.body, pair.on if pair.turns and pair.on is not None else still)
+                for pair in pairs
+            ]
+        )
+        # Of each body its displacement, rotation, velocity and spin; the last one stands still.
+        sizes = d, d * d, d, 1 if d == 2 else 3
+        self._placed = d + d * d
+        self._now = np.zeros((still + 1, sum(sizes)))
+        self._looked = np.zeros((len(pairs), 2, sum(sizes)))
+        self._reach, self._slack = np.zeros((2, len(pairs)))
+        self._sums = np.tile(np.repeat(np.eye(4), sizes, axis=0), (2, 1))
         self._state: State | None = None
 
     def may_change(self, state: State, step: float) -> Mask:
         """Pairs that have to be looked at in a step of a length (s) from a state, (pairs,)."""
-        if not self.pairs:
-            return np.zeros(0, dtype=np.bool_)
-        travel, a, b = self._travel, self._first, self._second
         if state is not self._state:
-            bodies = range(len(self._system.bodies))
-            travel.read([state.rigid_motion(self._system, body) for body in bodies])
+            for body, row in enumerate(self._now[:-1]):
+                moved, velocity, spin, rotation = state.rigid_motion(self._system, body)
+                own = np.concatenate([moved, rotation.ravel(), velocity, spin])
+                row[: len(own)] = own  # what cannot turn has no spin
             self._state = state
-        turn = travel.turn[a] + travel.turn[b] - self._turn
-        turn += step * (travel.spin[a] + travel.spin[b])
-        way = travel.way[a] + travel.way[b] - self._way
-        way += step * (travel.speed[a] + travel.speed[b]) + self._reach * turn
+        change = np.abs(self._now.take(self._ends, axis=0) - self._looked)
+        moved, turned, speed, spin = (change.reshape(len(change), -1) @ self._sums).T
+        turn = turned + step * spin
+        way = moved + step * speed + self._reach * turn
         return np.asarray((way >= self._slack) | (turn >= TURN))
 
     def looked(self, number: int) -> None:
-        """Watch a pair, by its number among all, from where it has been looked at."""
-        k, pair, travel = self._place[number], self.pairs[number], self._travel
-        a, b = self._first[k], self._second[k]
-        self._way[k] = travel.way[a] + travel.way[b]
-        self._turn[k] = travel.turn[a] + travel.turn[b]
-        self._reach[k], self._slack[k] = pair.reach, pair.slack
+        """Watch a pair, by its number, from where it has been looked at."""
+        pair = self._pairs[number]
+        self._looked[number, :, : self._placed] = self._now[self._ends[number], : self._placed]
+        self._reach[number], self._slack[number] = pair.reach, pair.slack
 
 
 class Interfaces:
-    """Pairs that may touch and what is active of them; each interface is made once and kept."""
+    """Pairs that may touch and what is active of them."""
 
     def __init__(self, system: System, pairs: Sequence[ContactPair]):
         """Take the bodies and the pairs that may touch."""
         self._system, self._pairs = system, tuple(pairs)
-        self._watch = FaceWatch(system, pairs)
-        self._made: dict[tuple[int, Any, frozenset[int]], tuple[Link, ...]] = {}
+        self._watch = PairWatch(system, self._pairs)
         self._last: Active | None = None
         self._links: tuple[tuple[Link, ...], ...] = ()  # of what was active last, pair by pair
         self._flat: tuple[Link, ...] = ()
@@ -194,30 +166,24 @@ class Interfaces:
         if self._last is active or (self._last is not None and self._last == active):
             return self._links
         found = []
-        owned: dict[int | None, frozenset[int]] = {}
-        for number, (pair, own) in enumerate(zip(self._pairs, active, strict=True)):
+        owned: dict[int, frozenset[int]] = {}
+        for pair, own in zip(self._pairs, active, strict=True):
             faces, taken = pair.faces(own), owned.get(pair.body, frozenset())
-            key = number, own, faces & taken
-            if key not in self._made:
-                self._made[key] = pair.links(own, faces & taken)
+            found.append(pair.links(own, faces & taken))
             owned[pair.body] = taken | faces
-            found.append(self._made[key])
         self._last, self._links = active, tuple(found)
         self._flat = tuple(link for links in found for link in links)
         return self._links
 
     def active(self, state: State, step: float, before: Active | None) -> Active:
         """What is active in a step of a length (s) from a state, by what was before."""
-        bodies, watch = BodiesInStep(self._system, state, step), self._watch
+        bodies = BodiesInStep(self._system, state, step)
         found = list(before or [None] * len(self._pairs))
-        stays = dict(zip(watch.pairs, ~watch.may_change(state, step), strict=True))
+        may_change = self._watch.may_change(state, step)
         for number, pair in enumerate(self._pairs):
-            own = found[number]
-            if number in stays and stays[number] and watch.pairs[number].looked == (own,):
-                continue
-            found[number] = pair.active(bodies, own)
-            if number in stays:
-                watch.looked(number)
+            if may_change[number] or pair.looked != (found[number],):
+                found[number] = pair.active(bodies, found[number])
+                self._watch.looked(number)
         return before if before is not None and tuple(found) == before else tuple(found)
 
     def overlap(self, state: State) -> bool:
@@ -225,11 +191,14 @@ class Interfaces:
 
         What strikes them in a step may send them farther than their velocities told.
         """
-        bodies, watch = BodiesInStep(self._system, state, 0.0), self._watch
-        pairs = zip(watch.pairs.items(), watch.may_change(state, 0.0), strict=True)
-        return any(
-            may and pair.overlaps(bodies, state.active[number]) for (number, pair), may in pairs
+        idle = [number for number, own in enumerate(state.active) if own is None]
+        if not idle:
+            return False
+        bodies, may_change = (
+            BodiesInStep(self._system, state, 0.0),
+            self._watch.may_change(state, 0.0),
         )
+        return any(may_change[number] and self._pairs[number].overlaps(bodies) for number in idle)
 
     def fresh(self, active: Active, state: State) -> list[Memory]:
         """Memories without contact forces in a state."""

@@ -139,6 +139,18 @@ class PointTable:
             parts.append(rigid if beds is None else beds.yielding(memory.compression, step))
         return Yielding(*(joined(list(arrays)) for arrays in zip(*parts, strict=True)))
 
+    def rest(self, memories: Sequence[Memory]) -> Array | None:
+        """Gaps from which points are not pushed out in a step, (points,), m; None: all are 0."""
+        pairs = zip(self.links, memories, strict=True)
+        each = [None if memory.clear else link.interface.rest(memory) for link, memory in pairs]
+        if all(rest is None for rest in each):
+            return None
+        rests = np.zeros(self.count)
+        for own, rest in zip(self.own, each, strict=True):
+            if rest is not None:
+                rests[own] = rest
+        return rests
+
     def observe(self, number: int, u: Array) -> Observed:
         """An interface at a displacement of all owned unknowns."""
         link = self.links[number]

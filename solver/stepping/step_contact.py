@@ -201,9 +201,7 @@ class StepContact:
         if model.softening is not None and not balance.static:
             self.softening = model.softening.in_step(model.system, points, balance.load)
             held = STEADYING * self.force
-        self.rest: Array | None = None
-        if any(np.count_nonzero(memory.rest) for memory in memories):
-            self.rest = joined([memory.rest for memory in memories])
+        self.rest = points.rest(memories)
         self.beds = points.beds(memories, balance.step)
         bed = points.no_bed if self.beds is None else self.beds.softness
         self.largest = 0.0

@@ -29,7 +29,7 @@ from solver.stepping.balance import (
     static_weights,
     turned,
 )
-from solver.stepping.contact_solve import ContactSolve
+from solver.stepping.contact_solve import ContactSolve, StepFailed
 from solver.stepping.impulses import UNCHANGED, VelocityCorrection, VelocityImpulses
 from solver.stepping.interfaces import Active, Interfaces, InterfaceState, StepStart
 from solver.stepping.ledger import StepEnds, numerical_loss, step_sums
@@ -44,10 +44,6 @@ from solver.stepping.reactions import (
 from solver.stepping.state import Exchange, GroundForces, Push, RotationPrediction, State
 from solver.stepping.system import System
 from solver.types import Array
-
-
-class StepFailed(Exception):
-    """The nonlinear solve of a step did not converge."""
 
 
 class Stepper:
@@ -223,7 +219,7 @@ class Stepper:
             rotations=[None] * len(system.bodies),
             glued=glued,
         )
-        solution = self._solved(balance, u)
+        solution = self._solve.solve(balance, u)
         contacts, _ = remembered(self.links, state.contacts, solution.contacts, np.inf)
         rest, u = np.zeros_like(u), self.system.settled(solution.u)
         return consistent(
@@ -241,15 +237,6 @@ class Stepper:
             return self._weight
         return (self.gravity - self.mean_base(time, dt)) @ self.system.directional_mass
 
-    def _solved(self, balance: Balance, guess: Array) -> StepSolution:
-        """Solve, or say why not."""
-        solution = self._solve.solve(balance, guess)
-        if not solution.outcome.converged:
-            raise StepFailed(
-                f"SNES: {solution.outcome.reason}, residual {solution.outcome.residual:.2e} N"
-            )
-        return solution
-
     def advance(self, state: State, dt: float, end: float | None = None) -> tuple[State, Exchange]:
         """One step of length `dt` (s) from a state, which stays as it is.
 
@@ -262,7 +249,7 @@ class Stepper:
         balance = balance_of(self.system, state, step, self._weights(step.scheme, dt))
         guess = extrapolated(self.system, state, step.turning)
         try:
-            solution = self._solved(balance, guess)
+            solution = self._solve.solve(balance, guess)
         except StepFailed:
             self._join(state.active)
             raise
@@ -336,7 +323,7 @@ class Stepper:
             contact_damping=lost.damping,
             contact=lost.contact + correction.contact + step.start.exchanged,
             numerical=averaged,
-            iterations=solution.outcome.iterations,
+            iterations=solution.iterations,
             ground=ground,
             pushes=self._pushes(step, solution, correction),
         )

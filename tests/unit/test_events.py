@@ -17,7 +17,7 @@ def memory(*points: tuple[float, float, bool]) -> Memory:
     past = np.zeros((len(force), PAST))
     past[:, SLIPPED] = slipped
     bed = np.zeros(len(points))
-    return Memory(None, kinematics, force, none, yes, past, bed, bed)  # type: ignore[arg-type]
+    return Memory(None, kinematics, force, none, yes, past, bed)  # type: ignore[arg-type]
 
 
 STICKS, SLIPS, OPEN = (10.0, 1.0, False), (10.0, 3.0, True), (0.0, 0.0, False)

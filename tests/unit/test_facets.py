@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from dolfinx import fem
 
+from benchmarks.verification.refinement import cut_by, outlines
 from geometry.block import Block
 from geometry.foundation import Plate
 from geometry.gmsh_model import CELLS
@@ -72,7 +73,7 @@ def test_facets_cut_by_polygons_integrate_on_the_common_refinement(cell, other, 
     )
     V = fem.functionspace(made.mesh, ("Lagrange", degree, (3,)))
     found = contact_points(
-        V, made.facet_tags, MATERIAL, points="gauss", gamma=100.0, cuts=carrier.outlines
+        V, made.facet_tags, MATERIAL, points="gauss", gamma=100.0, cut=cut_by(outlines(carrier))
     )
     bottom = found.tag == FacetTag.BOTTOM
     x = found.reference[bottom] @ TURN[:, 0]
@@ -93,18 +94,20 @@ def test_what_nothing_is_opposite_to_has_no_points():
     # A triangle that covers half of the facet x > 0, y > 0, and looks out beyond two edges.
     triangle = np.array([[[0.0, 0.0, 0.0], [0.3, 0.0, 0.0], [0.0, 0.4, 0.0]]])
     options = {"points": "gauss", "gamma": 100.0}
-    found = contact_points(V, made.facet_tags, MATERIAL, cuts=triangle, **options)
+    found = contact_points(V, made.facet_tags, MATERIAL, cut=cut_by(triangle), **options)
     bottom = found.tag == FacetTag.BOTTOM
     inside = bottom & (found.reference[:, :2] > 0).all(axis=1)
     # The facet 0.15 x 0.2 lies in the triangle up to its far corner, on the triangle's edge.
     assert found.weight[inside].sum() == pytest.approx(0.15 * 0.2)
     triangle[0, 1, 0], triangle[0, 2, 1] = 0.15, 0.2
-    found = contact_points(V, made.facet_tags, MATERIAL, cuts=triangle, **options)
+    found = contact_points(V, made.facet_tags, MATERIAL, cut=cut_by(triangle), **options)
     bottom = found.tag == FacetTag.BOTTOM
     inside = bottom & (found.reference[:, :2] > 0).all(axis=1)
     assert found.weight[inside].sum() == pytest.approx(0.15 * 0.2 / 2)
     assert found.weight[bottom].sum() == pytest.approx(0.15 * 0.2 * 3.5)
-    away = contact_points(V, made.facet_tags, MATERIAL, cuts=triangle - [0, 0, 0.1], **options)
+    away = contact_points(
+        V, made.facet_tags, MATERIAL, cut=cut_by(triangle - [0, 0, 0.1]), **options
+    )
     assert away.weight.sum() == pytest.approx(2 * (0.3 * 0.4 + 0.4 * 0.5 + 0.3 * 0.5))
 
 
@@ -113,5 +116,5 @@ def test_refuses_cuts_at_nodes():
     V = fem.functionspace(flat.mesh, ("Lagrange", 1, (2,)))
     with pytest.raises(ValueError, match="got cuts with points at 'nodes'"):
         contact_points(
-            V, flat.facet_tags, MATERIAL, points="nodes", gamma=100.0, cuts=np.zeros((1, 2))
+            V, flat.facet_tags, MATERIAL, points="nodes", gamma=100.0, cut=cut_by(np.zeros((1, 2)))
         )

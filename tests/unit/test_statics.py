@@ -5,6 +5,7 @@ from mpi4py import MPI
 import numpy as np
 import pytest
 
+from benchmarks.verification.fixed_pair import FixedPair, faces_on
 from benchmarks.verification.load_steps import (
     contact_tractions,
     nodal_pressure,
@@ -19,7 +20,7 @@ from solver.contact.body_points import NodePoints
 from solver.contact.carriers import Plane
 from solver.contact.facets import carrier_surface
 from solver.contact.interface import Interface
-from solver.contact.pairs import FixedContactPair, MeshedContactPair
+from solver.contact.pairs import Link
 from solver.scene import FrictionSpec
 from solver.scene.material import Material
 from solver.scheme.generalized_alpha import GeneralizedAlpha
@@ -44,7 +45,7 @@ def stepper(made) -> Stepper:
     material = Material(young=YOUNG, poisson=0.0, density=1.0)
     body = ElasticBody(made.mesh, material, supports=[top])
     law = FrictionSpec(static=0.5)
-    contact = MeshedContactPair(body, made.facet_tags, Plane.level(2), law)
+    contact = FixedPair(faces_on(body, made.facet_tags, Plane.level(2), law))
     return Stepper(System([body]), [contact], GeneralizedAlpha(0.8), gravity=np.zeros(2))
 
 
@@ -75,8 +76,7 @@ def test_what_has_no_area_has_no_tractions(made, stepper):
     surface = carrier_surface(body.space, made.facet_tags, int(FacetTag.TOP))
     corners = NodePoints(body, surface.layer, surface.positions)
     interface = Interface(corners, Plane.level(2), FrictionSpec(static=0.0))
-    contact = FixedContactPair(interface, body=0, on=None)
-    (link,) = contact.links(frozenset(), frozenset())
+    link = Link(interface, 0, None)
     for function in (contact_tractions, nodal_pressure):
         with pytest.raises(TypeError, match="NodePoints"):
             function(link, None)

@@ -15,11 +15,12 @@ import numpy as np
 import pytest
 
 from benchmarks.verification import bar_impact
+from benchmarks.verification.fixed_pair import FixedPair, faces_on
 from geometry.block import Block
 from geometry.mesh import block_mesh
-from solver.bodies.elastic_body import ElasticBody
+from geometry.tags import FacetTag
+from solver.bodies.elastic_body import ElasticBody, Support
 from solver.contact.carriers import Plane
-from solver.contact.pairs import MeshedContactPair
 from solver.scene import FrictionSpec
 from solver.scene.material import Material
 from solver.scheme.generalized_alpha import GeneralizedAlpha
@@ -50,11 +51,11 @@ def bounce(rho_inf: float, gamma: float) -> Bounce:
         shape, cells=(1, ELEMENTS), cell="quadrilateral", refinement=1.0, comm=MPI.COMM_SELF
     )
     material = Material(young=1.0, poisson=0.0, density=1.0)
-    body = ElasticBody(domain.mesh, material, clamped=lambda x: np.isclose(x[1], 1.0))
-    faces = MeshedContactPair(
-        body, domain.facet_tags, Plane.level(2), FrictionSpec(static=0.0), gamma=gamma
-    )
-    stepper = Stepper(System([body]), [faces], GeneralizedAlpha(rho_inf), gravity=np.zeros(2))
+    top = Support(facets=domain.facet_tags.find(FacetTag.TOP), directions=(0, 1))
+    body = ElasticBody(domain.mesh, material, supports=[top])
+    law = FrictionSpec(static=0.0)
+    contact = FixedPair(faces_on(body, domain.facet_tags, Plane.level(2), law, gamma=gamma))
+    stepper = Stepper(System([body]), [contact], GeneralizedAlpha(rho_inf), gravity=np.zeros(2))
     x = body.nodes[:, 1]
     u = np.zeros_like(body.nodes)
     u[:, 1] = AMPLITUDE * (1 - x) / 2

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from benchmarks.verification.disc_mesh import disc_mesh
+from benchmarks.verification.fixed_pair import FixedPair, faces_on
 from benchmarks.verification.hertz import (
     HertzLine,
     contact_modulus,
@@ -28,7 +29,6 @@ from solver.bodies.elastic_body import ElasticBody, Support
 from solver.contact.body_points import NodePoints
 from solver.contact.carriers import Face
 from solver.contact.facets import carrier_surface
-from solver.contact.pairs import MeshedContactPair
 from solver.scene import FrictionSpec
 from solver.scene.material import Material
 from solver.scheme.generalized_alpha import GeneralizedAlpha
@@ -76,7 +76,7 @@ def discs() -> Stepper:
     frame = np.array([[0.0, 1.0], [1.0, 0.0]])
     face = Face(nodes, surface.nodes, frame, surface.cell, surface.degree)
     law = FrictionSpec(static=FRICTION)
-    contact = MeshedContactPair(bodies[0], upper.facet_tags, face, law, on=1)
+    contact = FixedPair(faces_on(bodies[0], upper.facet_tags, face, law), on=1)
     return Stepper(System(bodies), [contact], GeneralizedAlpha(0.8), gravity=np.zeros(2))
 
 

@@ -11,12 +11,13 @@ import scipy.linalg
 import ufl
 from dolfinx import fem
 
+from benchmarks.verification.fixed_pair import FixedPair, faces_on
 from geometry.block import Block
 from geometry.mesh import block_mesh
-from solver.bodies.elastic_body import ElasticBody
+from geometry.tags import FacetTag
+from solver.bodies.elastic_body import ElasticBody, Support
 from solver.bodies.elastic_forms import StrainWeights
 from solver.contact.carriers import Plane
-from solver.contact.pairs import MeshedContactPair
 from solver.scene import DampingSpec, FrictionSpec
 from solver.scene.material import Material
 from solver.scheme.generalized_alpha import GeneralizedAlpha, TangentWeights
@@ -34,12 +35,14 @@ def block(
     cell: str,
     degree: int,
     plane: str = "strain",
-    clamped=None,
+    held=False,
     damping=None,
 ):
     made = block_mesh(SHAPE, cells=cells, cell=cell, refinement=1.0, comm=MPI.COMM_SELF)
     material = Material(young=5e9, poisson=0.2, density=SHAPE.density, plane=plane)
-    body = ElasticBody(made.mesh, material, degree=degree, clamped=clamped, damping=damping)
+    bottom = Support(facets=made.facet_tags.find(FacetTag.BOTTOM), directions=(0, 1))
+    supports = [bottom] if held else []
+    body = ElasticBody(made.mesh, material, degree=degree, damping=damping, supports=supports)
     return made, material, body
 
 
@@ -50,9 +53,7 @@ def static_error(count: int, cell: str, degree: int, plane: str) -> float:
     differentiation, apart from the body's own forms. Its amplitude is so small that the nonlinear
     internal force at the solution balances them as well.
     """
-    made, material, body = block(
-        (count, 2 * count), cell, degree, plane, lambda x: np.isclose(x[1], 0.0)
-    )
+    made, material, body = block((count, 2 * count), cell, degree, plane, held=True)
     x, y = ufl.SpatialCoordinate(made.mesh)
     amplitude = 1e-8
     exact = amplitude * ufl.as_vector([y * ufl.sin(3 * x + 2 * y), y * ufl.cos(4 * x) * ufl.exp(y)])
@@ -130,10 +131,9 @@ def dense(matrix) -> np.ndarray:
 
 def vibration(rho_inf: float, theta: int, damping: DampingSpec | None = None) -> Vibration:
     made, _, body = block((2, 4), "quadrilateral", 2, damping=damping)
-    faces = MeshedContactPair(
-        body, made.facet_tags, Plane.level(2), FrictionSpec(static=0.5), theta=theta
-    )
-    stepper = Stepper(System([body]), [faces], GeneralizedAlpha(rho_inf), gravity=np.zeros(2))
+    law = FrictionSpec(static=0.5)
+    contact = FixedPair(faces_on(body, made.facet_tags, Plane.level(2), law, theta=theta))
+    stepper = Stepper(System([body]), [contact], GeneralizedAlpha(rho_inf), gravity=np.zeros(2))
     stepper.start(np.zeros(body.size), np.zeros(body.size))  # faces join
     stiffness = dense(body.stiffness_matrix)
     if theta:

@@ -7,6 +7,7 @@ from mpi4py import MPI
 import numpy as np
 import pytest
 
+from benchmarks.verification.fixed_pair import faces_on
 from geometry.block import Block
 from geometry.mesh import block_mesh
 from geometry.tags import FacetTag
@@ -15,7 +16,6 @@ from solver.bodies.elastic_forms import StrainWeights
 from solver.contact.carriers import Plane
 from solver.contact.interface import Interface
 from solver.contact.kinematics import ForceWeights
-from solver.contact.pairs import MeshedContactPair
 from solver.scene import DampingSpec, FrictionSpec
 from solver.scene.material import Material
 from solver.stepping.system import ports_of
@@ -38,7 +38,6 @@ class Thing:
     """A small body with contact points on three faces; displacements with rotation and strain."""
 
     body: ElasticBody
-    faces: MeshedContactPair
     interface: Interface
 
     def displacement(self, seed: int, angle: float, strain: float = 0.05) -> np.ndarray:
@@ -69,8 +68,8 @@ def thing(request) -> Thing:
     material = Material(young=3.0, poisson=0.25, density=2000.0, plane=plane)
     damping = DampingSpec(mass=0.0, stiffness=1e-3)
     body = ElasticBody(made.mesh, material, degree=degree, damping=damping)
-    faces = MeshedContactPair(body, made.facet_tags, Plane.level(2), FrictionSpec(static=0.5))
-    return Thing(body, faces, faces.links(FACES, frozenset())[0].interface)
+    law = FrictionSpec(static=0.5)
+    return Thing(body, faces_on(body, made.facet_tags, Plane.level(2), law, faces=FACES))
 
 
 def slope(function, step: float = 1e-4) -> np.ndarray:

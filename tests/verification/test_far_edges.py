@@ -12,7 +12,7 @@ from solver.build.assembly import build, initial_state
 from solver.contact.body_points import FixedPoints
 from solver.contact.interface import Interface
 from solver.stepping import active_set
-from solver.stepping.stepper import StepFailed
+from solver.stepping.contact_solve import StepFailed
 
 BLOCK = {
     "width": 0.6,

@@ -198,9 +198,10 @@ def test_memory_survives_when_a_face_joins() -> None:
     state, _ = stepper.advance(state, 1e-3)
     before, alone = state.contacts[0], stepper.links[0].interface
     keys = alone.keys()
-    assert int(FacetTag.RIGHT) not in state.active[0]
-    pair, faces = stepper._interfaces._pairs[0], frozenset({FacetTag.BOTTOM, FacetTag.RIGHT})
-    together = pair.links(faces, frozenset())[0].interface
+    assert int(FacetTag.RIGHT) not in state.active[0].faces
+    faces = frozenset({FacetTag.BOTTOM, FacetTag.RIGHT})
+    pair, active = stepper._interfaces._pairs[0], state.active[0]._replace(faces=faces)
+    together = pair.links(active, frozenset())[0].interface
     fresh = together.start(state.u, None, np.eye(2))
     after = carry_over(before, alone, together, fresh)
     place = {key: k for k, key in enumerate(together.keys())}

@@ -16,7 +16,9 @@ from dolfinx import fem
 from dolfinx.mesh import compute_midpoints
 from loads import surface_force
 
+from benchmarks.verification.fixed_pair import FixedPair, faces_on
 from benchmarks.verification.load_steps import contact_tractions, nodal_pressure
+from benchmarks.verification.refinement import cut_by, outlines
 from geometry.block import Block
 from geometry.foundation import Plate
 from geometry.mesh import block_mesh, move, plate_mesh
@@ -28,7 +30,6 @@ from solver.build.assembly import build, initial_state
 from solver.contact.body_points import NodePoints
 from solver.contact.carriers import Face
 from solver.contact.facets import carrier_surface
-from solver.contact.pairs import MeshedContactPair
 from solver.scene import FrictionSpec
 from solver.scene.material import Material
 from solver.scheme.generalized_alpha import GeneralizedAlpha
@@ -94,16 +95,17 @@ class Patch:
         surface = carrier_surface(bodies[1].space, lower.facet_tags, int(FacetTag.TOP))
         nodes = NodePoints(bodies[1], surface.layer, surface.positions)
         face = Face(nodes, surface.nodes, self.frame, surface.cell, surface.degree)
-        contact = MeshedContactPair(
+        contact = faces_on(
             bodies[0],
             upper.facet_tags,
             face,
             FrictionSpec(static=self.friction),
             points=self.points,
-            on=1,
-            cuts=surface.outlines if self.cuts else None,
+            cut=cut_by(outlines(surface)) if self.cuts else None,
         )
-        stepper = Stepper(System(bodies), [contact], GeneralizedAlpha(0.8), gravity=np.zeros(d))
+        stepper = Stepper(
+            System(bodies), [FixedPair(contact, on=1)], GeneralizedAlpha(0.8), gravity=np.zeros(d)
+        )
         loaded = upper.facet_tags.find(FacetTag.TOP), beside(lower, self.width)
         load = [
             surface_force(body, facets, -PRESSURE * self.frame[0])
