@@ -805,17 +805,26 @@ template <int d> class World {
     /// Takes the motions of an island; returns how far off the rows then are, of the size.
     double take_motions(Attempt& A, const Island<d>& island, double dt) const {
         double changed = 0, turned = 0;
+        const double shortest = shortest_link(island);  // turns where its ends move
         for (std::size_t j = 0; j < island.bodies.size(); j++) {
             Motion& w = A.w[island.bodies[j]];
             for (int i = 0; i < unknowns; i++) {
                 const double next = island.w[j][i], change = 0.5 * dt * std::fabs(next - w[i]);
                 if (!std::isfinite(next)) return INFINITY;
                 changed = std::max(changed, change * (i < d ? 1 : size_));
-                if (i >= d) turned = std::max(turned, 0.5 * dt * std::fabs(next));
+                turned = std::max(turned, 0.5 * dt * std::fabs(next) / (i < d ? shortest : 1));
             }
             w = island.w[j];
         }
         return changed * turned / size_;
+    }
+
+    /// Length of the shortest axial link of an island at the start of the step, m; infinite without any.
+    double shortest_link(const Island<d>& island) const {
+        double found = INFINITY;
+        for (const C* k : island.contacts)
+            if (k->link && k->link->link->axial) found = std::min(found, k->link->link->length[0] + k->link->link->extension[0]);
+        return std::max(found, 1e-6 * size_);
     }
 
     /// Lets cohesion grow with the pressure; false where it does so already.

@@ -11,7 +11,9 @@ import numpy as np
 from solver.history.pairs import force_on_first
 from solver.results.motion import boxes, lost_carrier
 from solver.results.runs import Run
-from solver.scene import BlockSpec
+from solver.scene import BlockSpec, LinkSpec
+from solver.scene.laws import GROUND
+from solver.scene.places import link_ends
 from solver.types import Array
 
 TOUCHING = 2e-3
@@ -102,6 +104,26 @@ def pair_frames(run: Run, times: Array) -> list[PairFrames]:
         states = [State.SLIPS if way > fast else State.STICKS for way in moved]
         found.append(PairFrames(force=mean, place=place, states=states))
     return found
+
+
+def link_frames(run: Run, link: LinkSpec, drift: Array, times: Array) -> tuple[Array, Array]:
+    """Ends of a link at times (s), m, (n, 2, d), and its states, (n,).
+
+    `drift` is the displacement of the foundation, m, (n, d).
+    """
+    placed, history = run.scene.poses(), run.history
+    ends = []
+    for name, start in zip(link.between, link_ends(link, placed), strict=True):
+        if name == GROUND:
+            ends.append(start + drift)
+            continue
+        block = next(each for each in run.scene.blocks if each.name == name)
+        first = boxes(history, block)
+        arm = first.frames[0].T @ (start - first.centres[0])
+        centres, frames = block_poses(run, block, times)
+        ends.append(centres + frames @ arm)
+    before = np.searchsorted(history["time_s"], times, side="right") - 1
+    return np.stack(ends, axis=1), history[f"{link.name}.state"][np.maximum(before, 0)]
 
 
 def block_poses(run: Run, block: BlockSpec, times: Array) -> tuple[Array, Array]:

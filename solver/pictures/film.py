@@ -12,11 +12,18 @@ import numpy as np
 
 from solver.errors import SceneError
 from solver.fields.ground import floor_level
-from solver.pictures.contact import BlockFrames, State, block_frames, interpolated, pair_frames
+from solver.pictures.contact import (
+    BlockFrames,
+    State,
+    block_frames,
+    interpolated,
+    link_frames,
+    pair_frames,
+)
 from solver.pictures.encode import encoder_for
 from solver.pictures.ground import add_ground
 from solver.pictures.meshes import Bodies, bodies_of
-from solver.pictures.renderer import Pixels, Renderer, arrow, display, in_space, in_view
+from solver.pictures.renderer import Pixels, Renderer, arrow, bar, display, in_space, in_view
 from solver.pictures.style import (
     STRESS,
     STYLE,
@@ -46,6 +53,8 @@ FOLLOWED_DISTANCE = 1.5
 FORCE = {State.STICKS: "#2aa9ff", State.SLIPS: "#ff6a00", State.OPEN: "#2aa9ff"}
 BODY = {State.STICKS: "#c9d3df", State.SLIPS: "#f6cf9b", State.OPEN: "#e8f4e4"}
 PLATFORM = "#b5b5b5"
+LINK = ("#8a8a8a", "#202020", "#b03060")
+"""Colours of links that are slack, taut, or have flowed; broken ones are not drawn."""
 
 #: An arrow is drawn no longer than this, and not where it is shorter than that, over the weight's.
 LONGEST, SHORTEST_ARROW = 3.0, 0.03
@@ -198,6 +207,7 @@ class Shot:
         for axis, name in enumerate(("platform.drift_m", "platform.drift_second_m")):
             if name in history and axis < scene.dimension - 1:
                 drift[:, axis] = np.interp(times, history["time_s"], history[name])
+        self._links = [link_frames(run, link, drift, times) for link in scene.links]
         blocks = list(self._blocks.values())
         self.bodies: Bodies = bodies_of(run, blocks, drift, times)
         self._ground = ground_path(run, times) if fixed else np.zeros((len(times), scene.dimension))
@@ -223,6 +233,12 @@ class Shot:
                 drawn = self._unit * min(length, LONGEST)
                 hue = FORCE[state]
                 arrows.append((arrow(start, force, drawn, unit=self._unit), hue))
+        for ends, states in self._links:
+            drawn_as = int(states[frame])
+            if drawn_as < len(LINK):
+                here = np.stack([in_space(end) for end in ends[frame]])
+                here[:, 2] += 0.01 * (ends.shape[2] == 2)
+                arrows.append((bar(here[0], here[1], unit=self._unit), LINK[drawn_as]))
         return renderer.draw(bodies, arrows, self._ground[frame])
 
 

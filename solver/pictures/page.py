@@ -25,7 +25,7 @@ from solver.pictures.html import (
 from solver.pictures.pictures import picture_run
 from solver.results.endings import cut_short
 from solver.results.moving import moving_span
-from solver.results.report import CAUSES, residual_slip, told_lines
+from solver.results.report import CAUSES, link_line, residual_slip, told_lines
 from solver.results.runs import Run
 from solver.run.describe import describe
 from solver.scene import scene_to_toml
@@ -65,6 +65,7 @@ def run_page(run: Run, folder: Path, *, filmed: bool) -> str:
         *cautions([*summary.get("cautions", []), *told_lines(summary)]),
         heading("Summary"),
         table(_blocks(run)),
+        *_links(summary),
         *_platform(summary),
     ]
     if filmed:
@@ -139,6 +140,15 @@ def _blocks(run: Run) -> list[list[str]]:
             ]
         )
     return rows
+
+
+def _links(summary: Mapping[str, Any]) -> list[str]:
+    """A line on each link, if there is one."""
+    rows = [
+        (name, link_line(name, link).removeprefix(f"{name}: "))
+        for name, link in summary.get("links", {}).items()
+    ]
+    return [named(rows)] if rows else []
 
 
 def _platform(summary: Mapping[str, Any]) -> list[str]:

@@ -241,6 +241,16 @@ def arrow(start: Array, direction: Array, length: float, *, unit: float) -> Any:
     )
 
 
+def bar(first: Array, second: Array, *, unit: float) -> Any:
+    """A bar between two places in space, or a ball where they are one, as `pyvista.PolyData`."""
+    import pyvista
+
+    thick = 0.03 * unit
+    if np.linalg.norm(second - first) < 2 * thick:
+        return pyvista.Sphere(radius=2 * thick, center=0.5 * (first + second))
+    return pyvista.Tube(pointa=first, pointb=second, radius=thick, n_sides=12)
+
+
 def in_space(vector: Array) -> Array:
     """A vector of the plane or of space in space."""
     return np.pad(np.asarray(vector, dtype=float), (0, 3 - len(vector)))

@@ -33,7 +33,7 @@ def report(summary: Mapping[str, Any]) -> str:
     lines.append(f"{summary['status']} at t = {summary['end_s']:.6g} s{reason}")
     for name, block in summary["blocks"].items():
         lines += _block_lines(name, block)
-    lines += [_link(name, link) for name, link in summary.get("links", {}).items()]
+    lines += [link_line(name, link) for name, link in summary.get("links", {}).items()]
     if "platform" in summary:
         lines.append(_platform(summary["platform"]))
     if summary["energy"]:
@@ -101,7 +101,7 @@ def _block_lines(name: str, block: Mapping[str, Any]) -> list[str]:
     return lines
 
 
-def _link(name: str, link: Mapping[str, Any]) -> str:
+def link_line(name: str, link: Mapping[str, Any]) -> str:
     """The line on a link."""
     words = [f"peak force {link['peak_force_N']:.4g} N"]
     if "peak_shear_force_N" in link:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from made_up_runs import IN_SPACE, T, in_space, leave_run, stack
 
-from rockslip import parse_scene, read_run
+from rockslip import parse_scene, read_run, simulate
 from solver.cli import main
 from solver.errors import EnvironmentTrouble, SceneError
 from solver.results.moving import moving_span
@@ -146,3 +146,57 @@ def test_ffmpeg_gets_the_frames(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     program.write_text("#!/bin/sh\ncat >/dev/null\necho no encoder >&2\nexit 1\n")
     with pytest.raises(EnvironmentTrouble, match="ffmpeg: no encoder"):
         encoder_for(file).write([np.zeros((8, 8, 3), np.uint8)], file)
+
+
+LINKED = """
+[[block]]
+model = "rigid"
+width = 0.3
+height = 1.0
+mass = 100.0
+[[link]]
+name = "wire"
+kind = "tether"
+between = ["block", "foundation"]
+at = [0.15, 1.0]
+to = [0.6, 0.0]
+stiffness = 1e4
+strength = {strength}
+[[force]]
+on = "block"
+at = [0.0, 1.0]
+force = [-300.0, 0.0]
+ramp = [0.0, 0.5]
+[time]
+end = 0.6
+step = 1e-3
+[output]
+fields = "none"
+"""
+
+
+def test_links_are_drawn_where_their_ends_are_until_they_break(tmp_path: Path) -> None:
+    from solver.pictures.contact import link_frames
+
+    scene = parse_scene(LINKED.format(strength="100.0"))
+    simulate(scene, folder=tmp_path)
+    run = read_run(tmp_path)
+    times = run.history["time_s"][::10]
+    ends, states = link_frames(run, scene.links[0], np.zeros((len(times), 2)), times)
+    longer = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) - np.hypot(0.45, 1.0)
+    whole = states < 3.0
+    assert longer[whole] == pytest.approx(run.history["wire.extension_m"][::10][whole], abs=1e-12)
+    assert ends[0] == pytest.approx(np.array([[0.15, 1.0], [0.6, 0.0]]))
+    assert states[-1] == 3.0 and 1.0 in states
+
+
+def test_the_film_of_a_linked_block_shows_its_link(tmp_path: Path) -> None:
+    pictures = []
+    for strength in ("1e5", "1e-3"):
+        folder = tmp_path / strength
+        simulate(parse_scene(LINKED.format(strength=strength)), folder=folder)
+        words = ["--from", "0.3", "--until", "0.4", "--slow", "1", "--width", "480"]
+        assert main(["animate", str(folder), "-o", str(folder / "film.gif"), *words]) == 0
+        pictures.append(frames(folder / "film.gif")[-1])
+    held, lost = (np.count_nonzero(picture.max(axis=2) < 60) for picture in pictures)
+    assert held > lost + 200

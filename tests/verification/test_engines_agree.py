@@ -185,8 +185,8 @@ def pairs(engine: str, name: str) -> list[tuple[Column, str, str]]:
     for column in TABLE:
         if column.dimension == 3 or column.name in OF_THE_METHOD:
             continue
-        if column.needs in ("second", "structure"):  # none of these scenes has either
-            continue
+        if column.needs in ("second", "structure") or column.part in ("link", "foot"):
+            continue  # none of these scenes has any
         if column.needs == "vertical" or (column.needs == "platform" and name != "oscillator"):
             continue
         others = (column.name,)

@@ -334,6 +334,20 @@ def test_a_link_to_a_platform_keeps_the_balance_of_momentum(d: int) -> None:
     assert "friction_mass_ratio" not in result.summary["blocks"]["tall"]
 
 
+@pytest.mark.parametrize("d", [2, 3])
+def test_a_block_that_slides_without_turning_accounts_for_all_energy_of_its_wire(d: int) -> None:
+    """Its wire turns with what it slides."""
+    squat = SLENDER | {"height": 0.2, "friction": 0.2}
+    wire = {"kind": "lashing", "between": ["block", "foundation"], "preload": 50.0}
+    wire |= {"at": in_space(d, [0.0, 0.2]), "to": in_space(d, [0.3, 0.6]), "stiffness": 2e4}
+    motion = {"kind": "sine", "amplitude_g": 0.6, "period": 0.5, "cycles": 3}
+    result = run(
+        scene(d, squat, end=2.0, step=4e-3, friction=0.2, link=[wire], motion=motion), ledger=1e-11
+    )
+    assert np.abs(result.history["block.slip_m"]).max() > 0.01
+    assert np.abs(result.history["block.angle_rad"]).max() < 1e-9
+
+
 @pytest.mark.parametrize("stiffness", [1e9, 1e11, 1e13])
 def test_a_stiff_link_is_solved_in_whole_steps(stiffness: float) -> None:
     """Newton's method for its impulse ends where round-off does: none is divided."""
