@@ -175,9 +175,9 @@ def _above(surface: Any, floor: float) -> Any:
     return above
 
 
-def deformed_figure(run: Run, fields: Path) -> Figure:
-    """The bodies of a run at the instants worth a look; the panels fill the page."""
-    chosen, dimension = instants(run), run.scene.dimension
+def deformed_figure(run: Run, fields: Path, chosen: Sequence[Instant] = ()) -> Figure:
+    """The bodies of a run at the instants chosen, or worth a look; the panels fill the page."""
+    chosen, dimension = chosen or instants(run), run.scene.dimension
     floor = floor_level(run.scene)
     snapshots = read_snapshots(fields, [i.time_s for i in chosen], dimension, floor, run)
     low, high = _window(snapshots, floor, dimension)

@@ -13,8 +13,7 @@ import numpy as np
 
 from geometry.boxes import Boxes, overlap_depth
 from geometry.solid import Convex, common_depth, hull
-from solver.history.history import History
-from solver.results.motion import boxes
+from solver.results.motion import Columns, boxes
 from solver.scene import BlockSpec, Scene
 from solver.types import Array, Indices, Mask
 
@@ -26,7 +25,7 @@ MOST = 50
 """Instants at which two shapes are compared at most, evenly among those of their boxes."""
 
 
-def overlaps(scene: Scene, history: History) -> list[dict[str, Any]]:
+def overlaps(scene: Scene, history: Columns) -> list[dict[str, Any]]:
     """Blocks that came to overlap: two names, the time (s) of the first, the largest depth (m)."""
     pairs = list(scene.non_adjacent())
     if not pairs:
