@@ -201,7 +201,7 @@ class Block:
 
         In space of a bottom that is no rectangle those farthest along both diagonals.
         """
-        bottom = self._standing_corners(dimension)
+        bottom = self.standing_corners(dimension)
         if self.solid is None:
             return bottom
         if dimension == 2:
@@ -209,8 +209,8 @@ class Block:
         outwards = (-1, -1), (1, -1), (1, 1), (-1, 1)
         return tuple(max(bottom, key=lambda c: x * c[0] + y * c[1]) for x, y in outwards)
 
-    def _standing_corners(self, dimension: int = 3) -> tuple[tuple[float, ...], ...]:
-        """The corners of the bottom, m."""
+    def standing_corners(self, dimension: int = 3) -> tuple[tuple[float, ...], ...]:
+        """The corners on which it may stand, m: those of the bottom, and of all feet."""
         if self.solid is None:
             return self.corners(dimension)[: 2 ** (dimension - 1)]
         return self.bottom or tuple(tuple(map(float, corner)) for corner in self.solid.bottom)
@@ -224,7 +224,7 @@ class Block:
             direction: Horizontal, (1,) in the plane, (2,) in space.
         """
         d = len(direction) + 1
-        level = self._standing_corners(d)
+        level = self.standing_corners(d)
         reach = [_dot(direction, corner[:-1]) for corner in level]
         far = max(reach) - 1e-9 * self.half_diagonal
         ends = [corner for corner, each in zip(level, reach, strict=True) if each >= far]
@@ -279,7 +279,7 @@ class Block:
         thickness = self.width * self.thickness / width
         if self.solid is not None:
             width = _extent([x * c[0] + y * c[1] for c in self.solid.corners])
-            along = [x * c[0] + y * c[1] for c in self._standing_corners()]
+            along = [x * c[0] + y * c[1] for c in self.standing_corners()]
             base, thickness = (min(along), max(along)), self.volume / (width * self.height)
         centre, inertia = self.centre, None
         if centre is not None:

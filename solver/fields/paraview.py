@@ -56,7 +56,7 @@ $camera
 
 bodies = WarpByVector(Input=fields, Vectors=["POINTS", "displacement"], ScaleFactor=1.0)
 shown = Show(bodies, view)
-shown.Representation = "Surface With Edges"
+shown.Representation = "$look"
 shown.EdgeColor = [0.35, 0.35, 0.35]
 $colours
 
@@ -119,6 +119,7 @@ def write_script(folder: Path, scene: Scene, *, stress: bool) -> None:
         dimension=scene.dimension,
         level=floor_level(scene),
         stress=stress,
+        edges=all(block.shape.solid is None for block in scene.blocks),
     )
     (folder / "open_in_paraview.py").write_text(text, encoding="utf-8")
 
@@ -130,14 +131,17 @@ def paraview_script(
     dimension: int = 2,
     level: float = 0.0,
     stress: bool = True,
+    edges: bool = True,
 ) -> str:
     """Text of `open_in_paraview.py`, with a floor at a level whose half length is given, m.
 
-    Bodies are coloured by their stress where one is elastic, else each in a colour.
+    Bodies are coloured by their stress where one is elastic, else each in a colour. They have the
+    `edges` of their cells, but for shapes, whose faces are cut into triangles.
     """
     spatial = dimension == 3
     return SCRIPT.substitute(
         file=file,
+        look="Surface With Edges" if edges else "Surface",
         half_floor=repr(float(half_floor)),
         level=repr(float(level)),
         coloured="coloured by von Mises stress" if stress else "each in a colour of its own",

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from geometry.skin import faces_of
 from solver.fields.files import open_files
 from solver.fields.ground import platform_corners
 from solver.fields.paraview import write_script
@@ -30,16 +31,16 @@ class RigidSnapshots:
     ):
         """Begin the files and write the script that shows them in ParaView; on one rank only."""
         self._bodies, self._dimension = bodies, scene.dimension
-        self._corners = [np.array(b.shape.corners(scene.dimension)) for b in scene.blocks]
-        self._loops = [block.shape.loops() for block in scene.blocks]
+        seen = [faces_of(block.shape, scene.dimension) for block in scene.blocks]
+        self._corners = [corners for corners, _ in seen]
         self._centres = [np.array(b.shape.centre_of_mass(scene.dimension)) for b in scene.blocks]
         upright = scene.poses(upright=True)
         corners = zip(scene.blocks, self._corners, strict=True)
         self._upright = [upright[block.name](own) for block, own in corners]
         self._files = open_files(scene, folder, before or FieldsBefore(), writes=writes)
         parts = [
-            (block.name, one_cell(corners) if loops is None else triangles(corners, loops))
-            for block, corners, loops in zip(scene.blocks, self._upright, self._loops, strict=True)
+            (b.name, one_cell(corners) if b.shape.solid is None else triangles(corners, faces))
+            for b, corners, (_, faces) in zip(scene.blocks, self._upright, seen, strict=True)
         ]
         if scene.has_platform:
             parts.append(("platform", one_cell(platform_corners(scene))))

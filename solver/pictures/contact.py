@@ -42,8 +42,8 @@ class BlockFrames:
     """Its middle, m, (n, d)."""
     frames: Array
     """Its axes as columns, (n, d, d)."""
-    half: Array
-    """Half its edges, m, (d,)."""
+    corners: Array
+    """Its corners in its own axes, from its middle, m, (k, d)."""
     force: Array
     """Force from its carrier over the weight there, the mean since the frame before, (n, d)."""
     foot: Array
@@ -56,16 +56,24 @@ def block_frames(run: Run, block: BlockSpec, times: Array) -> BlockFrames:
     """A block at the times of the frames, s, which are evenly spaced."""
     carrier = run.scene.carrier_of(block)
     centres, frames = block_poses(run, block, times)
-    half = np.array(block.shape.half_lengths(run.scene.dimension))
-    up = np.broadcast_to(np.eye(len(half))[-1], centres.shape)
+    shape, d = block.shape, run.scene.dimension
+    middle = np.array(shape.middle(d))
+    corners = np.unique(np.array(shape.corners(d)), axis=0) - middle
+    up = np.broadcast_to(np.eye(d)[-1], centres.shape)
     if carrier is not None:
         up = block_poses(run, carrier, times)[1][:, :, -1]
+    if shape.solid is None:
+        half = np.array(shape.half_lengths(d))
+        foot = _foot(centres, frames, half, up, _off(block, half))
+    else:
+        heavy = np.array(shape.centre_of_mass(d)) - middle
+        foot = _foot_of_shape(centres, frames, corners, up, heavy)
     return BlockFrames(
         centres=centres,
         frames=frames,
-        half=half,
+        corners=corners,
         force=_force(run, block, times),
-        foot=_foot(centres, frames, half, up, _off(block, half)),
+        foot=foot,
         states=_states(run, block, times),
     )
 
@@ -199,6 +207,45 @@ def _foot(centres: Array, frames: Array, half: Array, up: Array, off: Array) -> 
     share = np.exp(-height / (TOUCHING * 2 * half[0])) * np.prod(1 + signs * off, axis=1)
     share /= share.sum(axis=1, keepdims=True)
     return np.asarray(np.einsum("nk,nki->ni", share, placed))
+
+
+def _foot_of_shape(centres: Array, frames: Array, corners: Array, up: Array, heavy: Array) -> Array:
+    """The place nearest to below the centre of mass, `heavy`, between the lowest corners.
+
+    These are all that are as low over the carrier as the lowest one, but for a part of the width.
+    """
+    near = TOUCHING * float(np.ptp(corners[:, 0]))
+    found = []
+    for k, (centre, frame) in enumerate(zip(centres, frames, strict=True)):
+        upwards = up[k]
+        placed = centre + corners @ frame.T
+        height = placed @ upwards
+        lowest = placed[height <= height.min() + near]
+        below = centre + frame @ heavy
+        below = below - upwards * (below @ upwards - height.min())
+        found.append(_nearest_between(lowest, below, upwards))
+    return np.array(found)
+
+
+def _nearest_between(places: Array, target: Array, normal: Array) -> Array:
+    """The place of the convex hull of places near a plane that is nearest to a target on it."""
+    if len(places) == 1:
+        return places[0]
+    flat = places - target
+    flat = flat - np.outer(flat @ normal, normal)
+    if places.shape[1] == 3:
+        across = np.cross(normal, np.eye(3)[int(np.argmin(np.abs(normal)))])
+        across /= np.linalg.norm(across)
+        turns = np.sort(np.arctan2(flat @ np.cross(normal, across), flat @ across))
+        gaps = np.diff(turns, append=turns[0] + 2 * np.pi)
+        if gaps.max() < np.pi:
+            return target
+    first, second = (flat[k] for k in np.triu_indices(len(flat), 1))
+    along = second - first
+    length = np.einsum("ni,ni->n", along, along)
+    part = np.divide(-np.einsum("ni,ni->n", first, along), length, out=0 * length, where=length > 0)
+    nearest = first + np.clip(part, 0, 1)[:, None] * along
+    return np.asarray(target + nearest[np.argmin(np.einsum("ni,ni->n", nearest, nearest))])
 
 
 def _states(run: Run, block: BlockSpec, times: Array) -> list[State]:

@@ -7,7 +7,7 @@ the films.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -20,7 +20,16 @@ from matplotlib.ticker import FormatStrFormatter
 
 from solver.errors import EnvironmentTrouble
 from solver.fields.ground import floor_level
-from solver.pictures.meshes import FieldFiles, polygons, stress_of
+from solver.pictures.contact import block_poses
+from solver.pictures.meshes import (
+    EDGE_NORMALS,
+    EDGES,
+    SHARP,
+    FieldFiles,
+    polygons,
+    rigid_shapes,
+    stress_of,
+)
 from solver.pictures.renderer import Renderer, display, in_view
 from solver.pictures.style import (
     FLOOR,
@@ -123,13 +132,26 @@ class Snapshot:
 
 
 def read_snapshots(
-    fields: Path, times: Sequence[float], dimension: int = 2, floor: float = -math.inf
+    fields: Path,
+    times: Sequence[float],
+    dimension: int = 2,
+    floor: float = -math.inf,
+    run: Run | None = None,
 ) -> list[Snapshot]:
-    """The snapshots nearest to some times, each once; in space only what is above the floor."""
+    """The snapshots nearest to some times, each once; in space only what is above the floor.
+
+    Of a run, rigid shapes have their true edges instead of those of triangles.
+    """
     files = FieldFiles(fields)
+    shapes = rigid_shapes(run.scene) if run is not None else {}
     found = []
     for index in files.nearest(times):
         surfaces = files.read(index)
+        for number, name in enumerate(files.names):
+            if run is not None and name in shapes:
+                (block,) = (each for each in run.scene.blocks if each.name == name)
+                centres, frames = block_poses(run, block, files.times[[index]])
+                surfaces[number] = shapes[name].at(centres[0], frames[0])
         if dimension == 3:
             surfaces = [_above(surface, floor) for surface in surfaces]
         found.append(Snapshot(time_s=float(files.times[index]), surfaces=surfaces))
@@ -141,14 +163,23 @@ def _above(surface: Any, floor: float) -> Any:
     slack = 1e-6 * float(np.ptp(surface.points))
     if surface.bounds[4] >= floor - slack:
         return surface
-    return surface.clip("z", origin=(0.0, 0.0, floor), invert=False)
+    above = surface.clip("z", origin=(0.0, 0.0, floor), invert=False)
+    if EDGES in surface.field_data:
+        ends, normals = (
+            np.asarray(surface.field_data[name]).reshape(-1, 2, 3) for name in (EDGES, EDGE_NORMALS)
+        )
+        kept = (ends[:, :, 2] >= floor - slack).all(axis=1)
+        above.field_data[SHARP] = surface.field_data[SHARP]
+        above.field_data[EDGES] = ends[kept].reshape(-1, 3)
+        above.field_data[EDGE_NORMALS] = normals[kept].reshape(-1, 3)
+    return above
 
 
-def deformed_figure(run: Run, fields: Path) -> Figure:
-    """The bodies of a run at the instants worth a look; the panels fill the page."""
-    chosen, dimension = instants(run), run.scene.dimension
+def deformed_figure(run: Run, fields: Path, chosen: Sequence[Instant] = ()) -> Figure:
+    """The bodies of a run at the instants chosen, or worth a look; the panels fill the page."""
+    chosen, dimension = chosen or instants(run), run.scene.dimension
     floor = floor_level(run.scene)
-    snapshots = read_snapshots(fields, [i.time_s for i in chosen], dimension, floor)
+    snapshots = read_snapshots(fields, [i.time_s for i in chosen], dimension, floor, run)
     low, high = _window(snapshots, floor, dimension)
     wide, high_by = high - low
     columns = _columns(float(wide / high_by), len(snapshots))
@@ -267,19 +298,39 @@ def _title(snapshot: Snapshot, chosen: Sequence[Instant]) -> str:
 
 def _draw_bodies(axes: Any, snapshot: Snapshot, factor: float, limit: float) -> None:
     """The cells of all bodies in the plane, coloured by stress where there is any."""
-    from matplotlib.collections import PolyCollection
+    from matplotlib.collections import LineCollection, PolyCollection
 
     outlines = [face[:, :2] for surface in snapshot.surfaces for face in polygons(surface)]
     bodies = PolyCollection(
         outlines, cmap=STRESS, edgecolors=(0, 0, 0, 0.35), linewidths=0.2, zorder=1
     )
     bodies.set_snap(False)  # upright cells are not to be drawn a pixel beside others
+    shaped = any(EDGES in surface.field_data for surface in snapshot.surfaces)
     if limit > 0:
         bodies.set_array(factor * snapshot.von_mises)
         bodies.set_clim(0, factor * limit)
-    else:
+    elif not shaped:
         bodies.set(facecolor=PLAIN, edgecolor="black", linewidth=0.5)
+    else:  # parts without seams between them
+        bodies.set(facecolor=PLAIN, edgecolor=PLAIN, linewidth=0.3)
     axes.add_collection(bodies)
+    if shaped:
+        ends = [e for surface in snapshot.surfaces for e in _sides(surface, plain=limit == 0)]
+        axes.add_collection(
+            LineCollection(ends, colors="black", linewidths=0.5, zorder=1, capstyle="round")
+        )
+
+
+def _sides(surface: Any, *, plain: bool) -> Iterator[Array]:
+    """The sides of a rigid shape in the plane, (2, 2), m; of other bodies where they are `plain`.
+
+    A body with the colours of its stress has its cells.
+    """
+    if EDGES in surface.field_data:
+        yield from np.asarray(surface.field_data[EDGES])[:, :2].reshape(-1, 2, 2)
+    elif plain:
+        for face in polygons(surface):
+            yield from np.stack([face[:, :2], np.roll(face[:, :2], -1, axis=0)], axis=1)
 
 
 def _window(snapshots: Sequence[Snapshot], floor: float, dimension: int) -> tuple[Array, Array]:

@@ -267,9 +267,10 @@ def _extent(blocks: Sequence[BlockFrames], bodies: Bodies, ground: Array) -> tup
     away = FOLLOWED_DISTANCE * float((last - first).max())
     low, high = first + ground.min(axis=0), last + ground.max(axis=0)
     for block in blocks:
-        reach = np.einsum("nij,j->ni", np.abs(block.frames), block.half)
-        low = np.minimum(low, (block.centres - reach + ground).min(axis=0))
-        high = np.maximum(high, (block.centres + reach + ground).max(axis=0))
+        middle = block.centres + ground
+        reach = block.frames @ block.corners.T
+        low = np.minimum(low, (middle + reach.min(axis=2)).min(axis=0))
+        high = np.maximum(high, (middle + reach.max(axis=2)).max(axis=0))
     return np.maximum(low, first - away), np.minimum(high, last + away)
 
 

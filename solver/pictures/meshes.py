@@ -1,7 +1,8 @@
-"""Surfaces of the bodies of a run: those in the files of the fields, or boxes from the history."""
+"""Surfaces of the bodies of a run: from the files of the fields, or rigid ones by the history."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Protocol
@@ -10,15 +11,25 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from geometry.block import FACES
+from geometry.skin import skin_of
 from solver.fields.ground import platform_corners
 from solver.pictures.contact import BlockFrames, block_poses
 from solver.pictures.style import largest
 from solver.results.runs import Run
-from solver.scene import BlockSpec
+from solver.scene import BlockSpec, Scene
 from solver.types import Array
 
 #: Snapshots that the range of the colours of a film is taken from.
 SAMPLED = 25
+
+#: What a surface says of its edges: their ends, two by two, and the normals of faces beside them.
+EDGES, EDGE_NORMALS = "edges", "edge_normals"
+
+#: And the cosine of the angle between these from which on an edge in space is drawn.
+SHARP = "sharp"
+
+#: That angle, of shapes and of surfaces of triangles: what bends less is round, degrees.
+BENDS, BENDS_OF_SURFACE = 28.0, 45.0
 
 
 class PvdGrids:
@@ -148,7 +159,55 @@ class Bodies(Protocol):
         """Surface of each body as `pyvista.PolyData`, m, in the order of `names`."""
 
 
-class Boxes:
+class RigidShape:
+    """A rigid block as it is drawn: its skin, about the middle of the box around it."""
+
+    def __init__(self, block: BlockSpec, dimension: int):
+        """Take its shape."""
+        skin = skin_of(block.shape, dimension)
+        middle = np.array(block.shape.middle(dimension))
+        self._corners, self._edges = skin.corners - middle, skin.edges - middle
+        self._faces = np.concatenate([[len(loop), *loop] for loop in skin.faces])
+        self._normals = skin.normals
+        solid = block.shape.solid
+        rough = solid is not None and solid.surface is not None
+        self._sharp = math.cos(math.radians(BENDS_OF_SURFACE if rough else BENDS))
+
+    def at(self, centre: Array, frame: Array) -> Any:
+        """It as it stands, `pyvista.PolyData`, m, by its middle, (d,), and its axes as columns.
+
+        Its edges are beside it: the ends of each, `edges`, m, and the normals of the faces that
+        meet there, `edge_normals`; in space those are drawn that bend by `sharp`.
+        """
+        import pyvista
+
+        d = self._corners.shape[1]
+        surface = pyvista.PolyData(
+            _padded(centre[:d] + self._corners @ frame[:d, :d].T), faces=self._faces
+        )
+        edges = (centre[:d] + self._edges @ frame[:d, :d].T).reshape(-1, d)
+        surface.field_data[EDGES] = _padded(edges)
+        normals = (self._normals @ frame[:d, :d].T).reshape(-1, d)
+        surface.field_data[EDGE_NORMALS] = _padded(normals)
+        surface.field_data[SHARP] = [self._sharp]
+        return surface
+
+
+def _padded(vectors: Array) -> Array:
+    """Vectors (n, d) in space, (n, 3)."""
+    return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
+
+
+def rigid_shapes(scene: Scene) -> dict[str, RigidShape]:
+    """The blocks of a scene whose files have no more of their shapes than triangles, by name."""
+    return {
+        block.name: RigidShape(block, scene.dimension)
+        for block in scene.blocks
+        if block.model == "rigid" and block.shape.solid is not None
+    }
+
+
+class RigidBodies:
     """Rigid blocks and the platform, from the history: exact at any time."""
 
     stress_limit = 0.0
@@ -156,22 +215,17 @@ class Boxes:
     def __init__(self, run: Run, blocks: list[BlockFrames], drift: Array):
         """Take the motion of the blocks and the drift of the platform, m, (n, d)."""
         self._blocks, self._drift = blocks, drift
-        self._corners = [np.array(b.shape.corners(run.scene.dimension)) for b in run.scene.blocks]
-        self._loops = [block.shape.loops() for block in run.scene.blocks]
-        middles = (block.shape.middle(run.scene.dimension) for block in run.scene.blocks)
-        self._middles = [np.array(middle) for middle in middles]
+        self._shapes = [RigidShape(block, run.scene.dimension) for block in run.scene.blocks]
         self._platform = platform_corners(run.scene) if run.scene.has_platform else None
         self.names = [block.name for block in run.scene.blocks]
         self.names += ["platform"] if self._platform is not None else []
 
     def at(self, frame: int) -> list[Any]:
-        """Boxes as they stand."""
-        surfaces = []
-        for corners, middle, loops, block in zip(
-            self._corners, self._middles, self._loops, self._blocks, strict=True
-        ):
-            placed = block.centres[frame] + (corners - middle) @ block.frames[frame].T
-            surfaces.append(_box(placed) if loops is None else _polyhedron(placed, loops))
+        """All as they stand."""
+        surfaces = [
+            shape.at(block.centres[frame], block.frames[frame])
+            for shape, block in zip(self._shapes, self._blocks, strict=True)
+        ]
         if self._platform is not None:
             surfaces.append(_box(self._platform + self._drift[frame]))
         return surfaces
@@ -179,16 +233,12 @@ class Boxes:
 
 def _box(corners: Array) -> Any:
     """A box by its corners."""
-    return _polyhedron(corners, FACES if corners.shape[1] == 3 else ((0, 1, 2, 3),))
-
-
-def _polyhedron(corners: Array, loops: Sequence[Sequence[int]]) -> Any:
-    """A body by its corners, and those around its faces."""
     import pyvista
 
-    points = np.pad(corners, ((0, 0), (0, 3 - corners.shape[1])))
-    faces = np.concatenate([[len(loop), *loop] for loop in loops])
-    return pyvista.PolyData(points, faces=faces)
+    faces = FACES if corners.shape[1] == 3 else ((0, 1, 2, 3),)
+    return pyvista.PolyData(
+        _padded(corners), faces=np.concatenate([[len(face), *face] for face in faces])
+    )
 
 
 class DeformedBodies:
@@ -201,7 +251,7 @@ class DeformedBodies:
         """Open the files of a run for frames at these times, s."""
         self._files, self._times = FieldFiles(file), times
         self._read: dict[int, list[Any]] = {}
-        self.names = self._files.names
+        self.names, self._shapes = self._files.names, rigid_shapes(run.scene)
         blocks = {block.name: block for block in run.scene.blocks}
         both = np.concatenate([self._files.times, times])
         self._poses = [_poses(run, blocks.get(name), both) for name in self.names]
@@ -220,9 +270,12 @@ class DeformedBodies:
         part = float(np.clip((time - written[before]) / step, 0, 1)) if step else 1.0
         now = len(written) + frame if time <= written[-1] else after
         bodies = []
-        for first, second, (centres, frames) in zip(
-            self._snapshot(before), self._snapshot(after), self._poses, strict=True
+        for name, first, second, (centres, frames) in zip(
+            self.names, self._snapshot(before), self._snapshot(after), self._poses, strict=True
         ):
+            if name in self._shapes:
+                bodies.append(self._shapes[name].at(centres[now], frames[now]))
+                continue
             old, new = (
                 (np.asarray(surface.points) - centres[k]) @ frames[k]
                 for k, surface in ((before, first), (after, second))
@@ -257,7 +310,7 @@ def _poses(run: Run, block: BlockSpec | None, times: Array) -> tuple[Array, Arra
 
 
 def bodies_of(run: Run, blocks: list[BlockFrames], drift: Array, times: Array) -> Bodies:
-    """The bodies of a run; what is meshed and has left no fields is drawn as rigid boxes."""
+    """The bodies of a run; what is meshed and has left no fields is drawn as rigid."""
     if run.model == "finite elements" and run.fields is not None:
         return DeformedBodies(run, run.fields, times)
-    return Boxes(run, blocks, drift)
+    return RigidBodies(run, blocks, drift)

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.errors import EnvironmentTrouble
+from solver.pictures.meshes import EDGE_NORMALS, EDGES, SHARP
 from solver.pictures.style import FLOOR, STRESS
 from solver.scene.time import rounded_down
 from solver.types import Array
@@ -26,6 +27,9 @@ Pixels = NDArray[np.uint8]
 ASIDE, ABOVE = math.radians(25), math.radians(20)
 
 EDGE = "#101010"
+
+#: Edges are drawn nearer to the eye than faces, by this part of its distance.
+NEARER = 5e-4
 
 #: Light that comes from everywhere: on sides, and so that stresses have the colours of their bar.
 AMBIENT, AMBIENT_STRESS = 0.55, 0.8
@@ -160,6 +164,9 @@ class Renderer:
         for actor in self._drawn:
             self._plotter.remove_actor(actor, render=False)
         self._drawn = [self._body(*body) for body in bodies]
+        self._drawn += [
+            self._edges(surface) for surface, _ in bodies if EDGES in surface.field_data
+        ]
         self._drawn += [self._arrow(*arrow) for arrow in arrows]
         middle = self._middle.copy()
         if ground is not None:  # seen from a place at rest
@@ -178,9 +185,32 @@ class Renderer:
             look = {"scalars": "von_mises", "cmap": STRESS, "clim": (0, self._limit)}
             look |= {"show_scalar_bar": False, "edge_opacity": 0.5, "line_width": self._line}
             light = AMBIENT_STRESS
-        look |= {"show_edges": True, "edge_color": EDGE, "render": False, "reset_camera": False}
+        look |= {"show_edges": EDGES not in surface.field_data, "edge_color": EDGE}
+        look |= {"render": False, "reset_camera": False}
         lit = {"lighting": self._dimension == 3, "ambient": light, "diffuse": 1 - light}
         return self._plotter.add_mesh(surface, **look, **lit)
+
+    def _edges(self, surface: Any) -> Any:
+        """The edges of a rigid body, and in space its outline as it is seen."""
+        import pyvista
+
+        ends = np.asarray(surface.field_data[EDGES]).reshape(-1, 2, 3)
+        if self._dimension == 3:
+            normals = np.asarray(surface.field_data[EDGE_NORMALS]).reshape(-1, 2, 3)
+            bend = np.einsum("mi,mi->m", normals[:, 0], normals[:, 1])
+            front = normals @ self._axes[2] > 0
+            sharp = bend < surface.field_data[SHARP][0]
+            ends = ends[sharp | (front[:, 0] != front[:, 1])]
+        points = ends.reshape(-1, 3) + NEARER * self._far * self._axes[2]
+        lines = np.insert(np.arange(len(points)).reshape(-1, 2), 0, 2, axis=1)
+        return self._plotter.add_mesh(
+            pyvista.PolyData(points, lines=lines.ravel()),
+            color=EDGE,
+            line_width=2 * self._line,
+            lighting=False,
+            render=False,
+            reset_camera=False,
+        )
 
     def _arrow(self, arrow: Any, colour: str) -> Any:
         """An arrow, drawn over the bodies."""

@@ -20,6 +20,9 @@ as large (3.9 g along the vertical at IWTH25, Iwate-Miyagi 2008)."""
 DENSITIES = 10.0, 25_000.0
 """Densities outside of which units are in doubt, kg/m3: from foam to metals."""
 
+LARGEST_EXCESS = 0.05
+"""Part of its volume by which contacts may see a body larger than it is."""
+
 SOFTEST = 1e6
 """Young's modulus below which its unit is in doubt, Pa: soft rubber has that."""
 
@@ -53,6 +56,7 @@ def cautions_of_input(scene: Scene, ground: GroundMotion) -> list[str]:
     """Cautions about input that looks like a mistake, which runs repeat."""
     return [
         *_densities(scene),
+        *_hulls(scene),
         *_soft_materials(scene),
         *_gravity(scene),
         *_friction_jumps(scene),
@@ -83,6 +87,23 @@ def _densities(scene: Scene) -> list[str]:
     if below is not None and not low <= below.density <= high:
         found.append(f"the foundation weighs {below.density:.3g} kg/m3: look at the unit of that")
     return found
+
+
+def _hulls(scene: Scene) -> list[str]:
+    """Surfaces of files that contacts do not see as they are."""
+    solids = {block.name: block.shape.solid for block in scene.blocks}
+    return [
+        f"contacts see {name} larger than its surface by {percent(solid.hull_excess)} % of its "
+        f"volume, as {'its convex hull' if len(solid.parts) == 1 else 'convex parts'}: others "
+        "touch it where it is hollow; give parts as shape.union"
+        for name, solid in solids.items()
+        if solid is not None and solid.hull_excess > LARGEST_EXCESS
+    ]
+
+
+def percent(part: float) -> str:
+    """A part in percent, two digits or more."""
+    return f"{100 * part:.2g}" if part < 1 else f"{100 * part:.0f}"
 
 
 def _soft_materials(scene: Scene) -> list[str]:

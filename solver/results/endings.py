@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -149,7 +148,8 @@ def beyond_edge(scene: Scene, history: Columns, block: BlockSpec) -> Mask:
     box, dimension = boxes(history, block), scene.dimension
     assert scene.foundation.top is not None
     half = np.array(scene.foundation.top[: dimension - 1]) / 2
-    arms = np.array(list(product((-1, 1), repeat=dimension))) * box.half
+    shape = block.shape
+    arms = np.array(shape.corners(dimension)) - shape.middle(dimension)
     corners = box.centres[:, None] + np.einsum("nij,kj->nki", box.frames, arms)
     beside = (np.abs(corners[..., :-1]) > half * (1 + AT_LEVEL)).any(axis=-1)
     return np.asarray((beside & (corners[..., -1] <= AT_LEVEL * block.height)).any(axis=1))

@@ -235,6 +235,11 @@ def slenderness(history: Columns, block: BlockSpec) -> Array:
     if shape.centre is None:
         return np.arctan2(width, shape.height)
     # It leans away from there, towards the place of its bottom that is farthest that way.
+    if shape.solid is not None:
+        towards = -upright / np.where(straight, 1.0, length)[:, None]
+        places = np.array(shape.standing_corners())[:, :2] - shape.centre[:2]
+        far = np.where(straight, shape.arm(), (towards @ places.T).max(axis=1))
+        return np.arctan2(far, shape.centre_height)
     nearer = -(upright @ shape.centre[:2]) / np.where(straight, 1.0, length)
     arm = np.where(straight, shape.arm(), width / 2 - nearer)
     return np.arctan2(arm, shape.centre_height)
@@ -246,7 +251,7 @@ def lean_over_alpha(history: Columns, block: BlockSpec) -> Array:
 
 
 def boxes(history: Columns, block: BlockSpec) -> Boxes:
-    """A block as a rigid box, over the rows."""
+    """A block as a rigid box, over the rows: the one around it, along its axes, of a shape."""
     name = block.name
     if is_spatial(history, name):
         turns = _rotations(history, name)

@@ -2,7 +2,7 @@
 
 All bodies meet, and none should overlap. Where two do, contact between them was lost, and what
 follows is not to be trusted. They are compared as rigid boxes, at the times at which snapshots of
-the fields are due.
+the fields are due; where the boxes around other shapes overlap, the shapes are.
 """
 
 from __future__ import annotations
@@ -12,16 +12,20 @@ from typing import Any
 import numpy as np
 
 from geometry.boxes import Boxes, overlap_depth
-from solver.history.history import History
-from solver.results.motion import boxes
-from solver.scene import Scene
+from geometry.solid import Convex, common_depth, hull
+from solver.results.motion import Columns, boxes
+from solver.scene import BlockSpec, Scene
 from solver.types import Array, Indices, Mask
 
 SMALLEST_OVERLAP = 1e-3
 """Smallest depth that counts, as a part of the smallest edge: less is deformation."""
 
 
-def overlaps(scene: Scene, history: History) -> list[dict[str, Any]]:
+MOST = 50
+"""Instants at which two shapes are compared at most, evenly among those of their boxes."""
+
+
+def overlaps(scene: Scene, history: Columns) -> list[dict[str, Any]]:
     """Blocks that came to overlap: two names, the time (s) of the first, the largest depth (m)."""
     pairs = list(scene.non_adjacent())
     if not pairs:
@@ -35,7 +39,15 @@ def overlaps(scene: Scene, history: History) -> list[dict[str, Any]]:
         if not len(near):
             continue
         depth = overlap_depth(one.at(near), other.at(near))
-        deep = np.flatnonzero(depth > SMALLEST_OVERLAP * 2 * min(*one.half, *other.half))
+        least = SMALLEST_OVERLAP * 2 * min(*one.half, *other.half)
+        deep = np.flatnonzero(depth > least)
+        if len(deep) and (first.shape.solid is not None or second.shape.solid is not None):
+            deep = deep[np.linspace(0, len(deep) - 1, min(len(deep), MOST)).astype(int)]
+            depth = np.zeros(len(near))
+            for k in deep:
+                row = near[[k]]
+                depth[k] = common_depth(_parts(first, one.at(row)), _parts(second, other.at(row)))
+            deep = deep[depth[deep] > least]
         if len(deep):
             entry = {
                 "blocks": [first.name, second.name],
@@ -44,6 +56,20 @@ def overlaps(scene: Scene, history: History) -> list[dict[str, Any]]:
             }
             found.append(entry)
     return sorted(found, key=lambda entry: float(entry["time_s"]))
+
+
+def _parts(block: BlockSpec, box: Boxes) -> tuple[Convex, ...]:
+    """The convex parts of a block as it stands at one instant."""
+    shape, d = block.shape, len(box.half)
+    if shape.solid is None:
+        corners = box.centres[0] + (np.array(shape.corners(d)) - shape.middle(d)) @ box.frames[0].T
+        return hull(corners).parts
+    return (
+        shape.solid.moved(-np.array(shape.middle(d)))
+        .rotated(box.frames[0])
+        .moved(box.centres[0])
+        .parts
+    )
 
 
 def _rows(time: Array, every: float) -> Indices:

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from geometry.block import SIDES, Block
+from geometry.solid import chord_error
 from solver.bodies.memory import solver_in_words
 from solver.errors import EnvironmentTrouble
 from solver.excitation.kinds import BaseMotion
@@ -22,7 +23,7 @@ from solver.excitation.spectrum import (
 )
 from solver.reference.housner import housner_restitution, restitution_on_platform
 from solver.reference.initiation import expected_mode, has_expected_mode
-from solver.results.cautions import cautions_of_scene
+from solver.results.cautions import cautions_of_scene, percent
 from solver.rigid.forces import whole_force
 from solver.scene import BlockSpec, Scene
 from solver.scene.cells import box_nodes
@@ -97,6 +98,7 @@ def _block_numbers(block: BlockSpec, scene: Scene) -> Lines:
     mean = "" if shape.is_even else "in the mean, "
     lines = [
         (block.name, f"{block.width:g} x {block.height:g} x {block.thickness:g} m{on}{tilt}"),
+        *_outline(block, shape),
         ("  mass", f"{shape.mass:.6g} kg ({mean}{shape.density:.6g} kg/m3)"),
     ]
     if not shape.is_even:
@@ -105,6 +107,35 @@ def _block_numbers(block: BlockSpec, scene: Scene) -> Lines:
     if scene.dimension == 3:
         lines += _rocking(block, shape.across((0.0, 1.0)), scene, "y")
     return lines + damping_of_block(block, scene) + _sliding(block, scene) + _start(block)
+
+
+def _outline(block: BlockSpec, shape: Block) -> Lines:
+    """What a shape is made of, or the feet of a box; nothing of other boxes."""
+    solid, spec = shape.solid, block.shape_of
+    if solid is None:
+        return []
+    if spec is None:
+        low, high = shape.base or (0.0, 0.0)
+        tall = f"{shape.height:g} m high with them, {high - low:g} m over their outer edges"
+        return [("  feet", f"{len(solid.parts) - 1}: {tall} along x")]
+    flat, count = solid.dimension == 2, len(solid.parts)
+    facets = sum(len(part.faces) for part in solid.parts)
+    parts = "convex" if count == 1 else f"{count} convex parts"
+    lines = [("  shape", f"{spec.kind}: {parts}, {facets} {'sides' if flat else 'facets'}")]
+    for number, each in enumerate((spec, *spec.union)):
+        radius = each.radius(block.width)
+        if radius is not None:
+            of = f" part {number}" if number else ""
+            sides = each.regular or each.sides
+            off = 1e3 * chord_error(radius, sides)
+            within = f"{sides} facets, within the circle by at most {off:.3g} mm"
+            lines.append((f"  round{of}", within))
+    if (surface := solid.surface) is not None:
+        more = percent(solid.hull_excess)
+        how = "convex hull" if count == 1 else parts
+        text = f"{len(surface.triangles)} triangles; contacts see its {how}, {more} % larger"
+        lines.append(("  surface", text))
+    return lines
 
 
 def _uneven(shape: Block, dimension: int) -> Lines:

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from geometry.solid import Solid
     from solver.types import Array
 
+ROUND = 16
+"""Corners from which on a regular polygon is meant to be round."""
+
 Point: TypeAlias = tuple[Place, Place]
 
 KINDS = ("polygon", "regular", "profile", "cylinder", "file", "union")
@@ -96,6 +99,20 @@ class ShapeSpec(Checked):
     def is_round(self) -> bool:
         """True if it has a thickness of its own."""
         return self.kind in ("profile", "cylinder", "file")
+
+    def radius(self, width: float | None) -> float | None:
+        """The largest radius of a round shape, m; None of others, such as polygons of few sides.
+
+        Args:
+            width: That of the block, m, for a regular polygon without its own.
+        """
+        if self.profile:
+            return max(r for r, _ in self.profile)
+        if self.cylinder is not None:
+            return self.cylinder / 2
+        if self.regular is not None and self.regular >= ROUND:
+            return (self.width or width or 0.0) / 2
+        return None
 
     def refuse_keys_of_parts(self) -> None:
         """Refuse what only a part of a union has; the block itself has these keys."""

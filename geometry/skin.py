@@ -1,0 +1,235 @@
+"""What is seen of a body of convex parts: its faces, and its edges without the seams between parts.
+
+Where two parts touch, their faces are inside of the body, and an edge at which both are flush is no
+edge of the body. At an edge the parts fill angles around it; what they leave open says what the
+body is there: nothing where it is inside, a half-plane where it is flat, else an edge of it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from geometry.block import FACES, Block
+from geometry.convex import Convex, normals_of, polygon_faces
+from solver.types import Array
+
+TOUCHES = 1e-7
+"""Distance, as a part of the size, below which a place is on a plane."""
+
+FULL = 1e-6
+"""Angle that is none, rad."""
+
+Loops = tuple[tuple[int, ...], ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Skin:
+    """Faces and edges of a body in its own frame."""
+
+    corners: Array
+    """Corners, (n, d), m."""
+    faces: Loops
+    """Numbers of the corners around each face; in the plane around each convex part."""
+    edges: Array
+    """Ends of the edges, (m, 2, d), m."""
+    normals: Array
+    """Outward unit normals of the two faces that meet at each edge, (m, 2, d); in the plane twice
+    the one of the side."""
+
+    @property
+    def bends(self) -> Array:
+        """Angles between the faces at the edges, rad, (m,)."""
+        cosines = np.einsum("mi,mi->m", self.normals[:, 0], self.normals[:, 1])
+        return np.asarray(np.arccos(np.clip(cosines, -1.0, 1.0)))
+
+
+def skin_of(block: Block, dimension: int) -> Skin:
+    """What is seen of a block: its true surface where it has one, else its parts."""
+    solid = block.solid
+    if solid is not None and solid.surface is None:
+        return skin_of_parts(solid.parts)
+    corners, faces = faces_of(block, dimension)
+    if dimension == 3:
+        return _of_faces(corners, faces)
+    ends = np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
+    outwards = normals_of(corners, polygon_faces(len(corners)))
+    normals = np.repeat(outwards[:, None], 2, axis=1)
+    return Skin(corners=corners, faces=faces, edges=ends, normals=normals)
+
+
+def faces_of(block: Block, dimension: int) -> tuple[Array, Loops]:
+    """Corners, (n, d), m, and their numbers around the faces of what is seen of a block.
+
+    Those between two parts are among them; in the plane a face is a part.
+    """
+    if block.solid is None:
+        corners = np.array(block.corners(dimension))
+        return corners, tuple(FACES) if dimension == 3 else ((0, 1, 2, 3),)
+    if (surface := block.solid.surface) is not None:
+        return surface.points, tuple(tuple(map(int, tri)) for tri in surface.triangles)
+    return _faces_of_parts(block.solid.parts)
+
+
+def _faces_of_parts(parts: Sequence[Convex]) -> tuple[Array, Loops]:
+    """Corners and faces of parts, part after part."""
+    faces, first = list[tuple[int, ...]](), 0
+    for part in parts:
+        loops = part.faces if part.dimension == 3 else (tuple(range(len(part.corners))),)
+        faces += [tuple(first + k for k in loop) for loop in loops]
+        first += len(part.corners)
+    return np.concatenate([part.corners for part in parts]), tuple(faces)
+
+
+def skin_of_parts(parts: Sequence[Convex]) -> Skin:
+    """What is seen of convex parts that touch one another."""
+    corners, faces = _faces_of_parts(parts)
+    size = float(np.ptp(corners, axis=0).max())
+    bodies = [_Body(part, size) for part in parts]
+    found = [edge for number in range(len(parts)) for edge in _edges_of(bodies, number)]
+    d = corners.shape[1]
+    edges = np.array([ends for ends, _ in found]).reshape(-1, 2, d)
+    normals = np.array([both for _, both in found]).reshape(-1, 2, d)
+    return Skin(corners=corners, faces=faces, edges=edges, normals=normals)
+
+
+def _of_faces(corners: Array, faces: Loops) -> Skin:
+    """A closed body in space, each edge of which two faces have."""
+    normals = normals_of(corners, faces)
+    owner: dict[tuple[int, int], int] = {}
+    pairs, both = [], []
+    for number, face in enumerate(faces):
+        for start, end in pairwise((*face, face[0])):
+            if (other := owner.pop((end, start), None)) is None:
+                owner[start, end] = number
+            else:
+                pairs.append((start, end))
+                both.append((other, number))
+    return Skin(corners=corners, faces=faces, edges=corners[pairs], normals=normals[both])
+
+
+class _Body:
+    """A convex part as half-spaces."""
+
+    def __init__(self, part: Convex, size: float):
+        """Take its planes; a place is on one within a part of the size, m."""
+        self.near = TOUCHES * size
+        self.corners, self.normals = part.corners, part.normals
+        self.levels = np.array(
+            [part.corners[f[0]] @ n for f, n in zip(part.faces, part.normals, strict=True)]
+        )
+        self.low, self.high = part.corners.min(axis=0), part.corners.max(axis=0)
+        if part.dimension == 2:
+            self.edges = [(a, b, k, k) for k, (a, b) in enumerate(part.faces)]
+            return
+        owner: dict[tuple[int, int], int] = {}
+        self.edges = []
+        for number, face in enumerate(part.faces):
+            for start, end in pairwise((*face, face[0])):
+                if (other := owner.pop((end, start), None)) is None:
+                    owner[start, end] = number
+                else:
+                    self.edges.append((start, end, number, other))
+
+    def is_near(self, ends: Array) -> bool:
+        """True if the box around it reaches the one around a line."""
+        low, high = ends.min(axis=0) - self.near, ends.max(axis=0) + self.near
+        return bool((self.low <= high).all() and (self.high >= low).all())
+
+    def cuts(self, ends: Array) -> Array:
+        """Where a line passes its planes, as parts of its length, (k,)."""
+        heights = ends @ self.normals.T - self.levels
+        first, last = heights
+        passes = np.abs(last - first) > self.near
+        parts = first[passes] / (first - last)[passes]
+        return np.asarray(parts[(parts > FULL) & (parts < 1 - FULL)])
+
+    def around(self, place: Array) -> Array | None:
+        """Normals of its planes on which a place is, (k, d), none inside; None: it is outside."""
+        heights = self.normals @ place - self.levels
+        if heights.max() > self.near:
+            return None
+        return self.normals[heights > -self.near]
+
+
+def _edges_of(bodies: Sequence[_Body], number: int) -> list[tuple[Array, Array]]:
+    """Edges of a part that are some of the body: ends, (2, d), and normals, (2, d)."""
+    body, found = bodies[number], []
+    for start, end, one, other in body.edges:
+        ends, own = body.corners[[start, end]], body.normals[[one, other]]
+        beside = [k for k, each in enumerate(bodies) if k != number and each.is_near(ends)]
+        if not beside:
+            found.append((ends, own))
+            continue
+        parts = np.concatenate([[0.0, 1.0], *(bodies[k].cuts(ends) for k in beside)])
+        whole = ends[1] - ends[0]
+        for a, b in pairwise(np.unique(parts.round(9))):
+            here = ends[0] + np.array([[a], [b]]) * whole
+            middle = here.mean(axis=0)
+            about = {k: bodies[k].around(middle) for k in beside}
+            there = {k: normals for k, normals in about.items() if normals is not None}
+            # Each place once: by the first of the parts that have an edge there.
+            if any(k < number and _is_edge(normals) for k, normals in there.items()):
+                continue
+            open_to = _opening([own, *there.values()], whole / np.linalg.norm(whole))
+            if open_to is not None:
+                found.append((here, open_to))
+    return found
+
+
+def _is_edge(normals: Array) -> bool:
+    """True if planes with these normals make an edge; in the plane one is a side already."""
+    if normals.shape[1] == 2:
+        return len(normals) > 0
+    return len(normals) > 1 and bool((np.ptp(normals, axis=0) > FULL).any())
+
+
+def _opening(around: Sequence[Array], along: Array) -> Array | None:
+    """Normals of the faces that bound what parts around a line leave open, (2, d).
+
+    None where they leave nothing, or a half-space: there is no edge.
+
+    Args:
+        around: Normals of the planes of each part on which the line is, (k, d).
+        along: Direction of the line, (d,); in the plane that of the side.
+    """
+    if len(along) == 2:
+        if len(around) > 1:
+            return None
+        return around[0]
+    across = around[0][0]
+    aside = np.cross(along, across)
+    filled = []
+    for normals in around:
+        flat = np.stack([normals @ across, normals @ aside], axis=1)
+        flat = flat[np.linalg.norm(flat, axis=1) > 0.5]
+        if not len(flat):
+            return None
+        turned = np.arctan2(flat[:, 1], flat[:, 0])
+        # What is behind all of these planes, from the first angle to the last one.
+        middle = math.atan2(*(-flat.sum(axis=0))[::-1]) if len(flat) > 1 else turned[0] + math.pi
+        off = np.angle(np.exp(1j * (turned + math.pi - middle)))
+        filled.append((middle + off.max() - math.pi / 2, middle + off.min() + math.pi / 2))
+    begin, end = filled[0]
+    gaps = [(end, begin + 2 * math.pi)]
+    for low, high in filled[1:]:
+        left = []
+        for a, b in gaps:
+            for turn in (-2, -1, 0, 1, 2):
+                first, last = low + 2 * math.pi * turn, high + 2 * math.pi * turn
+                if first < b - FULL and last > a + FULL:
+                    left += [(a, min(first, b))] if first > a + FULL else []
+                    a = max(a, last)
+            left += [(a, b)] if b > a + FULL else []
+        gaps = left
+    if not gaps or (len(gaps) == 1 and abs(gaps[0][1] - gaps[0][0] - math.pi) < 1e-5):
+        return None
+    a, b = gaps[0]
+    if len(gaps) > 1:  # two bodies that only touch at this line
+        b = a
+    turns = np.array([a + math.pi / 2, b - math.pi / 2])
+    return np.asarray(np.outer(np.cos(turns), across) + np.outer(np.sin(turns), aside))
