@@ -23,10 +23,10 @@ def arm_of(spec: ForceSpec, pose: Pose, shape: Block, centre: Array) -> Array:
     """
     d = len(centre)
     if spec.pressure is not None:
-        own: Array = np.zeros(d)
-        own[-1] = shape.height / 2
+        low, high = _box(shape, d)
+        own: Array = (low + high) / 2
         axis, sense = _normal(spec, d)
-        own[axis] -= sense * shape.half_lengths(d)[axis]
+        own[axis] = low[axis] if sense > 0 else high[axis]
     elif spec.at is not None:
         own = np.array(spec.at)
     else:
@@ -40,9 +40,15 @@ def whole_force(spec: ForceSpec, pose: Pose, shape: Block) -> Array:
         return np.array(spec.force)
     d = len(pose.place)
     axis, sense = _normal(spec, d)
-    sides = [shape.width, shape.thickness, shape.height]
-    del sides[axis if d == 3 else 0 if axis == 0 else 2]
-    return np.asarray(spec.pressure * sides[0] * sides[1] * sense * pose.rotation[:, axis])
+    low, high = _box(shape, d)
+    area = float(np.prod(np.delete(high - low, axis))) * (shape.thickness if d == 2 else 1.0)
+    return np.asarray(spec.pressure * area * sense * pose.rotation[:, axis])
+
+
+def _box(shape: Block, d: int) -> tuple[Array, Array]:
+    """Lowest and highest corner of a box, or of the one that stands on feet, m."""
+    corners = np.array(shape.corners(d)) if shape.solid is None else shape.solid.parts[0].corners
+    return corners.min(axis=0), corners.max(axis=0)
 
 
 def _normal(spec: ForceSpec, d: int) -> tuple[int, float]:

@@ -171,6 +171,9 @@ class Scene(Checked):
             with below(force.name):
                 _refuse_unknown("on", force.on, names)
                 force.refuse_elsewhere(self.dimension)
+                pressed = next(block for block in self.blocks if block.name == force.on)
+                if force.pressure is not None and pressed.shape_of is not None:
+                    raise not_applicable("pressure", f"boxes; {force.on} has a shape: give force")
 
     def _thickness(self) -> float:
         """Thickness of the lowest block, m; in the plane all bodies are equally thick."""
