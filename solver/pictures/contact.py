@@ -107,7 +107,7 @@ def pair_frames(run: Run, times: Array) -> list[PairFrames]:
         moved = np.diff([np.interp(times, known["time_s"], slip) for slip in slips], prepend=0.0)
         moved = np.linalg.norm(moved, axis=0)
         spacing = times[1] - times[0] if len(times) > 1 else 1.0
-        height = min(b.height for b in run.scene.blocks if b.name in (one, other))
+        height = min(b.shape.height for b in run.scene.blocks if b.name in (one, other))
         fast = AT_REST * math.sqrt(run.scene.gravity * height) * spacing
         states = [State.SLIPS if way > fast else State.STICKS for way in moved]
         found.append(PairFrames(force=mean, place=place, states=states))
@@ -260,7 +260,7 @@ def _states(run: Run, block: BlockSpec, times: Array) -> list[State]:
             slip = history[column]
             gained = np.interp(times, time, slip) - np.interp(times - spacing, time, slip)
             moved = np.hypot(moved, gained)
-    fast = AT_REST * math.sqrt(run.scene.gravity * block.height) * spacing
+    fast = AT_REST * math.sqrt(run.scene.gravity * block.shape.height) * spacing
     return [
         State.OPEN if force < LEAST_FORCE * weight else State.SLIPS if way > fast else State.STICKS
         for force, way in zip(normal, moved, strict=True)

@@ -213,7 +213,7 @@ class Shot:
         self._ground = ground_path(run, times) if fixed else np.zeros((len(times), scene.dimension))
         self.low, self.high = _extent(blocks, self.bodies, self._ground)
         """Least and greatest place of the bodies in all frames, m, (d,)."""
-        self._unit = 0.3 * min(block.height for block in scene.blocks)
+        self._unit = 0.3 * min(block.shape.height for block in scene.blocks)
         """Length of an arrow that stands for the weight, m."""
 
     def draw(self, renderer: Renderer, frame: int) -> Pixels:

@@ -191,3 +191,16 @@ def test_the_museum_is_what_its_script_makes(tmp_path: Path) -> None:
         np.testing.assert_allclose(facets[0], facets[1], atol=1e-6)
     scene = load_scene(MUSEUM / "scene.toml")
     assert scene.blocks[-1].shape.mass == pytest.approx(5.59, abs=0.01)
+
+
+def test_the_page_of_the_museum_says_what_check_prints() -> None:
+    page = (ROOT / "docs" / "museum.md").read_text(encoding="utf-8")
+    printed = [line.rstrip() for line in describe(load_scene(MUSEUM / "scene.toml")).splitlines()]
+    shown = page.partition("says of the vase, among others,\n\n")[2].partition("\n\n")[0]
+    lines = [line[4:] for line in shown.splitlines()]
+    assert len(lines) == 6
+    assert set(lines) <= set(printed)
+    scene = (MUSEUM / "scene.toml").read_text(encoding="utf-8")
+    first, _, rest = page.partition("each on the one before:\n\n")[2].partition("\n    ...\n")
+    for text in (first, rest.partition("\n\nIts motion")[0]):
+        assert "\n".join(line[4:] for line in text.strip("\n").splitlines()).strip() in scene
