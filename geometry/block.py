@@ -167,6 +167,21 @@ class Block:
         b, t, h = self.width / 2, self.thickness / 2, self.height / 2
         return (b, h) if dimension == 2 else (b, t, h)
 
+    @property
+    def bottom_area(self) -> float:
+        """Area of the bottom, m^2; of a solid that of the face that looks most downwards."""
+        if self.solid is None:
+            return self.width * self.thickness
+        part = min(self.solid.parts, key=lambda part: float(part.corners[:, -1].min()))
+        return part.area(part.lowest_face) * (self.thickness if part.dimension == 2 else 1.0)
+
+    @property
+    def shortest_edge(self) -> float:
+        """Length of the shortest edge of the parts of a solid, m; of a box the shortest side."""
+        if self.solid is None:
+            return min(self.width, self.height, self.thickness)
+        return min(part.shortest_edge for part in self.solid.parts)
+
     def corners(self, dimension: int = 2) -> tuple[tuple[float, ...], ...]:
         """Its corners in its own frame (origin at the bottom centre), m.
 

@@ -70,6 +70,26 @@ class Convex:
         """Outward unit normals of the faces, (faces, d)."""
         return normals_of(self.corners, self.faces)
 
+    @property
+    def lowest_face(self) -> int:
+        """Number of the face that looks most downwards, of equal ones the first."""
+        return int(np.argmin(np.round(self.normals[:, -1], 9)))
+
+    @property
+    def shortest_edge(self) -> float:
+        """Length of the shortest edge, m."""
+        rings = [self.corners[list(face)] for face in self.faces]
+        edges = [np.linalg.norm(ring - np.roll(ring, 1, axis=0), axis=1).min() for ring in rings]
+        return float(min(edges))
+
+    def area(self, face: int) -> float:
+        """Area of a face, m^2; the length of a polygon's side, m."""
+        ring = self.corners[list(self.faces[face])]
+        if self.dimension == 2:
+            return float(np.linalg.norm(ring[1] - ring[0]))
+        spokes = ring - ring[0]
+        return float(np.linalg.norm(np.cross(spokes, np.roll(spokes, -1, axis=0)).sum(axis=0)) / 2)
+
     def moved(self, by: ArrayLike) -> Convex:
         """This shape moved by a vector (d,), m."""
         step = np.asarray(by, dtype=np.float64)

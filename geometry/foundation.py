@@ -12,14 +12,17 @@ from solver.types import Array
 
 
 def face_frame(normal: Array) -> Array:
-    """Rows normal and tangents of a face with an outward unit normal along an axis, (d, d).
+    """Rows normal and tangents of a face with an outward unit normal, (d, d).
 
     In the plane the tangent is the normal turned clockwise: +x on a top. In space the frame is
-    right-handed, and the first tangent is +x, or +y where the normal is along x.
+    right-handed, and the first tangent is what of +x is in the face, or of +y where the normal is
+    along x.
     """
     if len(normal) == 2:
         return np.array([normal, [normal[1], -normal[0]]]) + 0.0
-    first = np.eye(3)[1 if abs(normal[0]) > 0.5 else 0]
+    axis = np.eye(3)[1 if abs(normal[0]) > 0.5 else 0]
+    first = axis - (axis @ normal) * normal
+    first /= np.linalg.norm(first)
     return np.array([normal, first, np.cross(normal, first)]) + 0.0
 
 

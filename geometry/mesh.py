@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from mpi4py import MPI
 
 from dolfinx.mesh import Mesh
@@ -14,7 +12,7 @@ from geometry.convex import Convex
 from geometry.foundation import Plate
 from geometry.gmsh_model import CELLS, MeshedBody, box, convex, make, rectangle
 from geometry.grading import centred, graded, graded_to_both_ends
-from geometry.tags import CellTag
+from geometry.tags import CellTag, tags_of_faces
 from solver.types import Array
 
 
@@ -56,17 +54,15 @@ def block_mesh(
     return _tensor_mesh("block", [*across, up], cell, CellTag.BLOCK, comm)
 
 
-def shape_mesh(
-    part: Convex, tags: Sequence[int], size: float, comm: MPI.Intracomm = MPI.COMM_WORLD
-) -> MeshedBody:
+def shape_mesh(part: Convex, size: float, comm: MPI.Intracomm = MPI.COMM_WORLD) -> MeshedBody:
     """Mesh a convex body in its own frame by triangles or tetrahedra; collective.
 
     Args:
-        part: The body.
-        tags: Of its faces.
+        part: The body; its faces have the tags of `tags_of_faces`.
         size: Length of the edges of the cells, m.
         comm: The ranks that share the mesh.
     """
+    tags = tags_of_faces(part.normals[:, -1].tolist())
 
     def build() -> None:
         convex(part.corners, part.faces, tags, CellTag.BLOCK, size)

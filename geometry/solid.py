@@ -122,6 +122,11 @@ class Solid:
         return 0.0 if self.surface is None else self.parts_volume / self.surface.volume - 1
 
     @property
+    def is_convex(self) -> bool:
+        """True if it is one convex part, and no more than that."""
+        return len(self.parts) == 1 and abs(self.hull_excess) <= SINGLE
+
+    @property
     def mass(self) -> float:
         """Mass m, kg."""
         return self.masses.volume

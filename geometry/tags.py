@@ -1,5 +1,6 @@
 """Names of the parts of a mesh; the numbers stand here only."""
 
+from collections.abc import Sequence
 from enum import IntEnum
 
 
@@ -27,3 +28,15 @@ class FacetTag(IntEnum):
     """Feet of the columns, which are clamped."""
     FREE = 8
     """Tops that carry nothing, of storeys below the one that the blocks stand on."""
+
+
+def tags_of_faces(upwards: Sequence[float]) -> tuple[int, ...]:
+    """Tags of the faces of a convex body, by the upward components of their unit normals.
+
+    The face that looks most downwards is the bottom, the one that looks most upwards the top; the
+    others have numbers beyond those of `FacetTag`. Of equal ones it is the first.
+    """
+    rises = [round(float(rise), 9) for rise in upwards]
+    named = {rises.index(min(rises)): FacetTag.BOTTOM, rises.index(max(rises)): FacetTag.TOP}
+    first = len(FacetTag) + 1
+    return tuple(int(named.get(number, first + number)) for number in range(len(rises)))

@@ -112,7 +112,7 @@ def _member(scene: Scene, number: int, placed: tuple[Pose, Pose], comm: MPI.Intr
     if spec.model == "rigid":
         centre = np.array(spec.shape.centre_of_mass(scene.dimension))
         block = rigid_box(spec.name, spec.shape, upright(centre[None])[0], comm=comm)
-        surface = BlockSurface(block, number, block.corners, scene.contact)
+        surface = BlockSurface(block, number, block.corners, scene.contact, shape=spec.shape)
         return BlockBody(spec, block, number, stand, surface)
     made = mesh_of_block(scene, spec, comm)
     move(made.mesh, upright)
@@ -126,7 +126,7 @@ def _member(scene: Scene, number: int, placed: tuple[Pose, Pose], comm: MPI.Intr
         damping=scene.damping_of(spec),
         density=relative_density(spec, made.mesh, upright(np.zeros((1, scene.dimension)))[0]),
     )
-    surface = BlockSurface(body, number, corners, scene.contact, made.facet_tags)
+    surface = BlockSurface(body, number, corners, scene.contact, made.facet_tags, shape=spec.shape)
     return BlockBody(spec, body, number, stand, surface)
 
 
@@ -167,6 +167,8 @@ def _fineness(member: BlockBody) -> float:
     spec = member.spec
     if spec.model == "rigid":
         return 0.0
+    if spec.shape_of is not None:
+        return 1.0 / spec.cell_size
     return max(spec.cells[0] / spec.width, spec.cells[-1] / spec.height)
 
 

@@ -11,7 +11,7 @@ from dolfinx import fem, mesh
 
 from geometry.density import LinearDensity
 from geometry.gmsh_model import MeshedBody
-from geometry.mesh import block_mesh
+from geometry.mesh import block_mesh, shape_mesh
 from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody, GroundSpring, Support
 from solver.bodies.elastic_forms import Region
@@ -24,6 +24,8 @@ from solver.types import Array
 
 def mesh_of_block(scene: Scene, block: BlockSpec, comm: MPI.Intracomm) -> MeshedBody:
     """The mesh of an elastic block of a scene, in its own frame; collective."""
+    if block.shape.solid is not None:
+        return shape_mesh(block.shape.solid.parts[0], block.cell_size, comm)
     return block_mesh(
         block.shape,
         dimension=scene.dimension,

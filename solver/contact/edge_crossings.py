@@ -36,36 +36,61 @@ from solver.law.crossing import PARALLEL_ANGLE, STEEPEST_COSINE, TURNED_AWAY_COS
 from solver.scene import Bed, FrictionSpec
 from solver.types import Array, Indices, Mask
 
-EDGES = ((1, "low", 0, 1.0), (0, "high", 1, 1.0), (1, "high", 0, -1.0), (0, "low", 1, -1.0))
-"""For each edge of a face: axis across it, end of that axis, axis along it, direction along it."""
+
+def rectangle_around(level: Array) -> Array:
+    """Corners of the rectangle around places in the plane, (n, 2), anticlockwise, (4, 2), m."""
+    (left, front), (right, back) = level.min(axis=0), level.max(axis=0)
+    return np.array([[left, front], [right, front], [right, back], [left, back]])
+
+
+def distance_inside(places: Array, ring: Array) -> Array:
+    """How far places in the plane, (m, 2), are within a convex polygon, (n, 2), in any sense, m."""
+    sides = np.roll(ring, -1, axis=0) - ring
+    sides = sides / np.linalg.norm(sides, axis=1)[:, None]
+    off = places[:, None] - ring
+    depth = sides[:, 0] * off[..., 1] - sides[:, 1] * off[..., 0]
+    return np.asarray(np.min(depth * _sense(ring), axis=1))
+
+
+def _sense(ring: Array) -> float:
+    """1 where the corners of a convex polygon, (n, 2), stand anticlockwise, else -1."""
+    (x, y), (further, higher) = ring.T, np.roll(ring, -1, axis=0).T
+    return float(np.sign(np.sum(x * higher - y * further)))
 
 
 class Outline:
-    """The edges of a rectangular face, counterclockwise as seen from above (along its frame).
+    """The edges of a convex face, counterclockwise as seen from above (along its frame).
 
     Attributes:
         points: The nodes on the outline.
-        corners: Numbers of the nodes at which the edges begin, (4,).
+        count: Number of edges.
+        corners: Numbers of the nodes at which the edges begin, (count,).
     """
 
-    def __init__(self, points: FacePoints, degree: int, frame: Array):
+    def __init__(self, points: FacePoints, degree: int, frame: Array, ring: Array | None = None):
         """Take the nodes on the outline; between them it has a polynomial degree of 1 or 2.
 
         The frame has the normal of who sees it from above and the tangents, in the undeformed body.
+        The ring has the corners there, (n, 3), m; None: of a rectangle along the frame.
         """
         self.points, self._degree = points, degree
         level = points.reference @ frame[1:].T
-        bound = {"low": level.min(axis=0), "high": level.max(axis=0)}
-        near = 1e-9 * np.ptp(level, axis=0)
+        begin = rectangle_around(level) if ring is None else ring @ frame[1:].T
+        if _sense(begin) < 0:
+            begin = begin[::-1]
+        self.count, near = len(begin), 1e-9 * float(np.ptp(level, axis=0).max())
         pieces: list[Indices] = []
         begins: list[float] = []
         lengths: list[float] = []
         corners: list[int] = []
-        for edge, (across, end, axis, sign) in enumerate(EDGES):
-            on = np.flatnonzero(np.abs(level[:, across] - bound[end][across]) < near[across])
-            chain = on[np.argsort(sign * level[on, axis])]
-            place = np.abs(level[chain, axis] - level[chain[0], axis])
-            place /= place[-1]
+        ways = np.roll(begin, -1, axis=0) - begin
+        ways = ways / np.linalg.norm(ways, axis=1)[:, None]
+        for edge, start in enumerate(begin):
+            along, off = ways[edge], level - start
+            on = np.flatnonzero(np.abs(along[0] * off[:, 1] - along[1] * off[:, 0]) < near)
+            chain = on[np.argsort(off[on] @ along)]
+            place = off[chain] @ along
+            place = (place - place[0]) / (place[-1] - place[0])
             for k in range(0, len(chain) - 1, degree):
                 pieces.append(chain[k : k + degree + 1])
                 begins.append(edge + place[k])
@@ -75,11 +100,11 @@ class Outline:
         self._ends: Indices = np.roll(self.corners, -1)
         self._pieces: Indices = np.array(pieces, dtype=np.int64)
         self._begins, self._lengths = np.array(begins), np.array(lengths)
-        self._first = np.searchsorted(self._begins, np.arange(4.0))
+        self._first = np.searchsorted(self._begins, np.arange(float(self.count)))
         self._last = np.append(self._first[1:], len(pieces)) - 1
 
     def chords(self, position: Array) -> Array:
-        """From end to end of each edge, (4, 3), for positions of the nodes."""
+        """From end to end of each edge, (count, 3), for positions of the nodes."""
         return position.take(self._ends, axis=0) - position.take(self.corners, axis=0)
 
     def locate(self, edge: Indices, fraction: Array) -> tuple[Indices, Array]:
@@ -149,8 +174,8 @@ class EdgeEdgeContacts:
     """Contacts between edges in a step: pairs that cross, and their frames.
 
     Attributes:
-        frame: Normal and tangents of each pair, (16, 3, 3).
-        present: Pairs that cross, (16,).
+        frame: Normal and tangents of each pair, (count, 3, 3).
+        present: Pairs that cross, (count,).
         start: The kinematics from which slip counts; None while it is being found.
     """
 
@@ -160,16 +185,15 @@ class EdgeEdgeContacts:
 
 
 class Crossings(FacetCarrier):
-    """Contacts between the four edges of a lower face and those of an upper one, 16 pairs.
+    """Contacts between the edges of a lower face and those of an upper one; of rectangles 16 pairs.
 
     Attributes:
+        count: Number of pairs.
         upper: Outline of the face that points down.
         lower: Outline of the face that points up.
         points: The nodes of the lower outline.
         detected: What is settled for the present step; `detect` settles it anew.
     """
-
-    count = 16
 
     def __init__(self, upper: Outline, lower: Outline, top: Face, bottom: Face):
         """Take the outlines of a face that points down and of one that points up, and the faces.
@@ -178,7 +202,8 @@ class Crossings(FacetCarrier):
         on.
         """
         self.upper, self.lower, self.points = upper, lower, lower.points
-        self._edges = np.divmod(np.arange(self.count), 4)
+        self.count = upper.count * lower.count
+        self._edges = np.divmod(np.arange(self.count), lower.count)
         # A corner of the upper face is carried up to this far beyond an edge, m; one of the lower
         # face only from this far within: between the two nothing is left out.
         self._carried = CARRIED_SHARE * top.margin * top.facet
@@ -195,12 +220,12 @@ class Crossings(FacetCarrier):
 
     @property
     def frame(self) -> Array:
-        """Normal and tangents of each pair, (16, 3, 3)."""
+        """Normal and tangents of each pair, (count, 3, 3)."""
         return self.detected.frame
 
     @property
     def present(self) -> Mask:
-        """Pairs that cross, (16,)."""
+        """Pairs that cross, (count,)."""
         return self.detected.present
 
     def detect(
@@ -346,7 +371,7 @@ class Crossings(FacetCarrier):
         return EdgeInterpolation(nodes, weights, segment, where, spots.position)
 
     def _moved(self, old: ContactKinematics, new: ContactKinematics) -> Array:
-        """D: how far the places on the upper edges moved over those on the lower ones, (16, 3)."""
+        """D: how far places on the upper edges moved over those on the lower ones, (count, 3)."""
         over, under = (
             0.5 * (first.carried(change) + last.carried(change))
             for first, last, change in self._increments(old, new)

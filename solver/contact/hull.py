@@ -34,7 +34,9 @@ class Hull:
     def __init__(self, points: FacePoints, faces: Sequence[Sequence[int]]):
         """Take the points, and the corners of each face, anticlockwise from outside."""
         self.points = points
-        self._faces: Indices = np.array(faces)
+        most = max(map(len, faces))
+        # Its last corner again and again adds nothing to the normal of a face with fewer.
+        self._faces: Indices = np.array([[*f, *f[-1:] * (most - len(f))] for f in map(list, faces)])
         self.size = points.size
 
     def placed(self, u: Array | None) -> PlacedHull:

@@ -304,7 +304,7 @@ def edge_interfaces(
     """
     d = len(lower.frame)
     area = (upper.facet / 2) ** (d - 1) * (thickness if d == 2 else 1.0)
-    outline = outline_points(lower.points, lower.reference_frame)
+    outline = outline_points(lower.points, lower.reference_frame, lower.ring)
     found = [Interface(outline, upper, law, bed=bed, corner_area=area, of_edge=True)]
     if d == 3:
         up = lower.reference_frame[0]

@@ -21,7 +21,7 @@ from solver.fields.functions import BodyFunctions, part_of
 from solver.fields.ground import platform_corners
 from solver.fields.nodal_contact import NodeState, edge_forces, nodal_contact
 from solver.fields.paraview import write_script
-from solver.fields.part import one_cell, rigid_fields
+from solver.fields.part import one_cell, rigid_fields, triangles
 from solver.fields.vtu import FieldsBefore
 from solver.scene import Scene
 from solver.stepping.state import State
@@ -55,7 +55,9 @@ class Snapshots:
                     self._bodies.append(ReducedFields(run, number, body.parts, files))
             else:
                 corners = body.corners if isinstance(body, RigidBox) else platform_corners(scene)
-                writer = files.body(body.name, one_cell(corners))
+                loops = body.shape.loops() if isinstance(body, RigidBox) else None
+                own = one_cell(corners) if loops is None else triangles(corners, loops)
+                writer = files.body(body.name, own)
                 self._bodies.append(RigidFields(run, number, body, corners, writer))
         held = run.assembly.support.held
         if held is not None:

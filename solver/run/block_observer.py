@@ -118,8 +118,9 @@ class BlockObserver:
 
     def _corner_positions(self, state: State) -> Array:
         """Positions of the bottom corners."""
-        corners = self._member.surface.hull.points.observe(state.u[self._own]).position
-        return corners[: len(corners) // 2]
+        surface = self._member.surface
+        corners = surface.hull.points.observe(state.u[self._own]).position
+        return corners[surface.below]
 
     def write(self, state: State, links: Sequence[Link], row: Array) -> None:
         """Fill in the columns of the block, all of `row`; the memories of the state are of `links`.

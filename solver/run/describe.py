@@ -26,7 +26,6 @@ from solver.reference.initiation import expected_mode, has_expected_mode
 from solver.results.cautions import cautions_of_scene, percent
 from solver.rigid.forces import whole_force
 from solver.scene import BlockSpec, Scene
-from solver.scene.cells import box_nodes
 from solver.scene.damping import DampingSpec
 from solver.scene.motion import G_UNIT
 from solver.scene.places import link_ends
@@ -75,9 +74,9 @@ def _linear_solver(block: BlockSpec, scene: Scene) -> Lines:
     """Linear solver of a meshed block; nothing where it has no mesh."""
     if block.model == "rigid":
         return []
-    unknowns = scene.dimension * box_nodes(block)
-    points = math.prod(block.degree * count + 1 for count in block.cells[:-1])
-    return [("  linear solver", solver_in_words(unknowns, points, scene.dimension))]
+    unknowns = scene.dimension * block.nodes(scene.dimension)
+    words = solver_in_words(unknowns, block.nodes_below(), scene.dimension)
+    return [("  linear solver", words)]
 
 
 def _steps(span: TimeSpec) -> str:
@@ -211,7 +210,8 @@ def damping_of_block(block: BlockSpec, scene: Scene) -> Lines:
         return [("  damping", "none")]
     frequency = scene.bending_frequency(block)
     ratio = f"{100 * damping.ratio(frequency):.2g} % of critical"
-    mode = f"{frequency / (2 * math.pi):.3g} Hz, its first bending mode, held at its base"
+    whose = "its first" if block.shape_of is None else "of the box around it the first"
+    mode = f"{frequency / (2 * math.pi):.3g} Hz, {whose} bending mode, held at its base"
     return [("  damping", f"{', '.join(given)}: {ratio} at {mode}")]
 
 
@@ -219,7 +219,7 @@ def _sliding(block: BlockSpec, scene: Scene) -> Lines:
     """The friction above which the steady sliding of a meshed block flutters, and what holds it."""
     if block.model == "rigid":
         return []
-    if scene.dimension * box_nodes(block) > MOST_LINEARISED:
+    if scene.dimension * block.nodes(scene.dimension) > MOST_LINEARISED:
         text = f"not linearised: more than {MOST_LINEARISED} unknowns"
         return [("  steady sliding", text)]
     try:

@@ -11,7 +11,15 @@ from geometry.block import Block
 from geometry.density import LinearDensity, Part, PartedDensity, mass_of_parts
 from geometry.density import Vector as SpaceVector
 from solver.errors import SceneError, Statement, missing_key, not_applicable
-from solver.scene.cells import box_mesh_size, cell_of, cells_of
+from solver.scene.cells import (
+    box_mesh_size,
+    box_nodes,
+    cell_of,
+    cells_of,
+    default_cell_size,
+    mesh_size_in_words,
+    simplices,
+)
 from solver.scene.checking import OPEN, Checked, exactly_one, is_open, shown
 from solver.scene.contact import FrictionSpec
 from solver.scene.damping import (
@@ -77,7 +85,8 @@ class BlockSpec(Checked):
     """Its carrier: `"foundation"` or the name of another block; or an array of
     [several](#several-supports), whose tops are level. Default: `"foundation"`."""
     shape_of: ShapeSpec | None = field(default=None, metadata={"key": "shape"})
-    """What it is where it is no box; see [shapes](#shapes). Rigid blocks only. Default: a box."""
+    """What it is where it is no box; see [shapes](#shapes). Convex where it is elastic or something
+    else is meshed. Default: a box."""
     feet: EvenFeetSpec | tuple[FootSpec, ...] | None = None
     """Pads below the box, which adds their height; see [feet](#feet). Rigid blocks only. Default:
     none."""
@@ -135,6 +144,11 @@ class BlockSpec(Checked):
     cell: Cell = OPEN
     """Shape of the cells; each quadrilateral makes two triangles, each hexahedron five tetrahedra.
     Default: the first of those allowed."""
+    cell_size: Length = OPEN
+    """Length of the edges of the triangles or tetrahedra that an elastic [shape](#shapes) is meshed
+    by, in place of `cells`, `cell` and `refinement`, m. Default: by the box around the shape, a
+    tenth of the geometric mean of its sides and at most a fourth of the shortest one; 3-D: an
+    eighth, and half of it."""
     degree: Literal[1, 2] = 1
     """Polynomial degree of the displacement. Tetrahedra of degree 2 need `contact.points =
     "gauss"`."""
@@ -184,10 +198,16 @@ class BlockSpec(Checked):
             if is_open(getattr(self, key)):
                 raise missing_key(key, f"({key} > 0)")
         if shape is None:
+            if not is_open(self.cell_size):
+                raise not_applicable("cell_size", "blocks with a shape only; a box has cells")
             return
         shape.refuse_keys_of_parts()
-        if self.model != "rigid":
-            raise not_applicable("shape", f"blocks with {RIGID_MODEL} only")
+        given = {"cells": self.cells, "cell": self.cell, "refinement": self.refinement}
+        for key, value in given.items():
+            if not (is_open(value) or value == 1.0):
+                raise not_applicable(key, "boxes only; a shape has a cell_size")
+        if self.centre_of_mass is not None and self.model != "rigid":
+            raise not_applicable("centre_of_mass", f"boxes, and shapes with {RIGID_MODEL}, only")
         if self.parts:
             raise Statement("parts", "are for boxes; a shape has them as shape.union")
         if self.centre_of_mass is not None and self.inertia is None:
@@ -263,9 +283,26 @@ class BlockSpec(Checked):
             sized,
             velocity=self._velocity_in(dimension),
             angular_velocity=self._spin_in(dimension),
-            cells=cells_of(self, dimension, DEFAULT_CELLS[dimension]),
-            cell=cell_of(self, dimension),
+            **self._cells_in(dimension),
         )
+
+    def _cells_in(self, dimension: Dimension) -> dict[str, Any]:
+        """Number and shape of the cells of a box; their size in a shape, if that is elastic."""
+        if self.shape_of is None:
+            cells = cells_of(self, dimension, DEFAULT_CELLS[dimension])
+            return {"cells": cells, "cell": cell_of(self, dimension)}
+        if self.model == "rigid":
+            return {}
+        solid = solid_of(self.shape_of, self._shape_sizes, dimension)
+        if not solid.is_convex:
+            said = "is not convex, and only convex shapes are meshed"
+            raise Statement("shape", f"{said}: give the block {RIGID_MODEL}, and mesh nothing else")
+        extents = [float(side) for side in solid.high - solid.low]
+        if is_open(self.cell_size):
+            return {"cell_size": default_cell_size(extents)}
+        if self.cell_size > max(extents):
+            raise SceneError("cell_size", shown(self.cell_size), f"at most {max(extents):.4g}")
+        return {}
 
     def _lengths_in(self, dimension: Dimension) -> dict[str, Any]:
         """Width, height and thickness of a shape, which may stand there but not otherwise."""
@@ -433,7 +470,31 @@ class BlockSpec(Checked):
         """The size of its mesh, or that there is none."""
         if self.model == "rigid":
             return f"none: rigid, {3 if dimension == 2 else 6} unknowns"
-        return box_mesh_size(self, dimension)
+        if self.shape_of is None:
+            return box_mesh_size(self, dimension)
+        cells, nodes = self._simplices(dimension)
+        kind: Cell = "triangle" if dimension == 2 else "tetrahedron"
+        size = mesh_size_in_words(cells, kind, self.degree, nodes, dimension)
+        return f"about {size}, cell_size {self.cell_size:g} m"
+
+    def nodes(self, dimension: Dimension) -> int:
+        """Number of the nodes of its mesh, if it is elastic; of a shape about that."""
+        return box_nodes(self) if self.shape_of is None else self._simplices(dimension)[1]
+
+    def nodes_below(self) -> int:
+        """Number of the nodes of its bottom, if it is elastic; of a shape about that."""
+        if self.shape_of is None:
+            return math.prod(self.degree * count + 1 for count in self.cells[:-1])
+        flat = len(self.velocity) - 1
+        across = self.thickness if flat == 1 else 1.0
+        return round(self.shape.bottom_area / across * (self.degree / self.cell_size) ** flat) + 1
+
+    def _simplices(self, dimension: Dimension) -> tuple[int, int]:
+        """About how many cells and nodes there are of an elastic shape."""
+        assert self.shape_of is not None
+        (part,) = solid_of(self.shape_of, self._shape_sizes, dimension).parts
+        outside = sum(map(part.area, range(len(part.faces))))
+        return simplices(part.moments.volume, outside, self.cell_size, self.degree, dimension)
 
     @property
     def tilt(self) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Protocol
 
 from solver.errors import SceneError
@@ -77,6 +77,40 @@ def box_nodes(body: HasMesh) -> int:
     if body.cell == "tetrahedron" and body.degree == 2:
         nodes -= math.prod(body.cells)  # no edge passes through the middle of a box
     return nodes
+
+
+def default_cell_size(extents: Sequence[float]) -> float:
+    """Length of the edges of the cells of a shape by default, m, by the sides of the box around it.
+
+    A tenth of their geometric mean, in space an eighth, but at most a fourth of the shortest one,
+    in space half of it; three digits of that.
+    """
+    parts, least = (10, 4) if len(extents) == 2 else (8, 2)
+    mean = math.prod(extents) ** (1 / len(extents))
+    return float(f"{min(mean / parts, min(extents) / least):.3g}")
+
+
+def simplices(
+    content: float, surface: float, size: float, degree: int, dimension: Dimension
+) -> tuple[int, int]:
+    """About how many cells and nodes Gmsh makes of a convex shape.
+
+    Args:
+        content: Its area, m2, or volume, m3.
+        surface: Length of its outline, m, or area of its surface, m2.
+        size: Length of the edges of the cells, m.
+        degree: Of the displacement.
+        dimension: Of space.
+    """
+    if dimension == 2:
+        cells, outside = 2.4 * content / size**2, surface / size
+        nodes = 1 + (cells + outside) / 2
+        edges = (3 * cells + outside) / 2
+    else:
+        cells, outside = 6.5 * content / size**3, 2.4 * surface / size**2
+        nodes = 1 + cells / 3.7
+        edges = nodes + cells + outside / 2
+    return max(round(cells), 1), max(round(nodes + (edges if degree == 2 else 0)), dimension + 1)
 
 
 def box_mesh_size(body: HasMesh, dimension: Dimension) -> str:

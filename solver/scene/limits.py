@@ -187,7 +187,9 @@ def _least_density(block: BlockSpec, dimension: Dimension) -> float:
 
 
 def refuse_long(block: BlockSpec, dimension: Dimension) -> None:
-    """Refuse a block whose corner cells are far longer than wide."""
+    """Refuse a block whose corner cells are far longer than wide: those of shapes are not."""
+    if block.shape_of is not None:
+        return
     cell = corner_cell(block, dimension)
     times = max(cell) / min(cell)
     if times > LARGEST_ASPECT:
@@ -198,7 +200,7 @@ def refuse_long(block: BlockSpec, dimension: Dimension) -> None:
 
 def bottom(block: BlockSpec) -> float:
     """Area of the bottom, m2."""
-    return block.width * block.thickness
+    return block.shape.bottom_area
 
 
 def _bottom_of(cell: Sequence[float], block: BlockSpec) -> float:
@@ -217,7 +219,12 @@ def _facet_below(cell: Sequence[float], block: BlockSpec) -> float:
 
 
 def corner_cell(block: BlockSpec, dimension: Dimension) -> list[float]:
-    """Edges of the cell at a bottom corner of a meshed block, the smallest there are, m."""
+    """Edges of the cell at a bottom corner of a meshed block, the smallest there are, m.
+
+    Those of a shape are alike: by its `cell_size`, or the shortest of its edges.
+    """
+    if block.shape_of is not None:
+        return [min(block.cell_size, block.shape.shortest_edge)] * dimension
     across = (block.thickness,) if dimension == 3 else ()
     sides = (block.width, *across, block.height)
     if block.refinement == 1:

@@ -212,9 +212,11 @@ class Scene(Checked):
         if not self.is_rigid:
             self._refuse_unmeshed()
             for block in self.blocks:
-                if block.shape.solid is not None:
-                    key = "shape" if block.shape_of is not None else "feet"
-                    raise not_applicable(f"{block.name}.{key}", UNMESHED)
+                if block.feet is not None:
+                    raise not_applicable(f"{block.name}.feet", UNMESHED)
+                if block.shape.solid is not None and not block.shape.solid.is_convex:
+                    said = "is not convex, and something is meshed, which meets convex shapes only"
+                    raise Statement(f"{block.name}.shape", f"{said}; allowed is {RIGID}")
         for key in ("stiffness", "damping"):
             if self.is_rigid and getattr(self.contact, key):
                 what = "scenes with a meshed body only, block.restitution to rigid blocks"
@@ -236,7 +238,8 @@ class Scene(Checked):
 
     def _check_degree(self, block: BlockSpec) -> None:
         """Refuse quadratic tetrahedra with nodes: no rule has positive weights at the vertices."""
-        tetrahedra = block.model == "elastic" and block.cell == "tetrahedron"
+        is_shape = block.shape_of is not None and self.dimension == 3
+        tetrahedra = block.model == "elastic" and (is_shape or block.cell == "tetrahedron")
         if tetrahedra and block.degree == 2 and self.contact.points == "nodes":
             allowed = '1 for tetrahedra, or contact.points = "gauss"'
             raise SceneError(f"{block.name}.degree", "2", allowed)
