@@ -107,8 +107,8 @@ def simplices(
         nodes = 1 + (cells + outside) / 2
         edges = (3 * cells + outside) / 2
     else:
-        cells, outside = 6.5 * content / size**3, 2.4 * surface / size**2
-        nodes = 1 + cells / 3.7
+        cells, outside = 4.8 * content / size**3 + surface / size**2, 2.4 * surface / size**2
+        nodes = 1 + cells / 5.5 + outside / 4
         edges = nodes + cells + outside / 2
     return max(round(cells), 1), max(round(nodes + (edges if degree == 2 else 0)), dimension + 1)
 

@@ -1,0 +1,201 @@
+"""Keys of elastic shapes, their meshes, and the faces that contact sees."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from geometry.foundation import face_frame
+from geometry.solid import Solid, cylinder, hull, polygon, prism, regular
+from geometry.tags import FacetTag, tags_of_faces
+from rockslip import Scene, parse_scene
+from solver.errors import SceneError
+from solver.run.describe import describe
+from solver.scene import limits
+from solver.scene.cells import default_cell_size, simplices
+
+WEDGE = {"polygon": [[0.0, 0.0], [0.6, 0.0], [0.0, 0.9]]}
+ELL = {"polygon": [[0.0, 0.0], [0.6, 0.0], [0.6, 0.2], [0.2, 0.2], [0.2, 0.9], [0.0, 0.9]]}
+STONE = {"density": 2400.0, "young": 1e9, "poisson": 0.2}
+
+
+def scene(*blocks: dict[str, Any], **tables: Any) -> Scene:
+    """A scene of blocks of stone."""
+    base = {"block": [STONE | block for block in blocks], "time": {"end": 0.1, "step": 1e-3}}
+    return parse_scene(base | tables)
+
+
+@pytest.mark.parametrize(
+    ("block", "said"),
+    [
+        ({"shape": ELL}, "block.shape is not convex, and only convex shapes are meshed: give the"),
+        ({"shape": WEDGE, "cells": [4, 4]}, "block.cells applies to boxes only; a shape has a"),
+        ({"shape": WEDGE, "cell": "triangle"}, "block.cell applies to boxes only; a shape has a"),
+        ({"shape": WEDGE, "refinement": 2.0}, "block.refinement applies to boxes only; a shape"),
+        ({"shape": WEDGE, "cell_size": 1.0}, "block.cell_size: got 1.0, allowed at most 0.9"),
+        ({"shape": WEDGE, "cell_size": 0.0}, "block.cell_size: got 0.0, allowed cell_size > 0"),
+        ({"width": 1.0, "height": 1.0, "cell_size": 0.1}, "block.cell_size applies to blocks with"),
+        ({"shape": WEDGE, "centre_of_mass": [0.0, 0.3]}, "block.centre_of_mass applies to boxes,"),
+        ({"shape": WEDGE, "inertia": 30.0}, "block.inertia applies to blocks with model"),
+        ({"shape": WEDGE, "young": 1e4}, "block.young: got 10000, strained by"),
+        (
+            {"width": 1.0, "height": 1.0, "feet": {"inset": 0.1, "size": 0.1, "height": 0.1}},
+            'block.feet applies to blocks with model = "rigid" only; remove it',
+        ),
+    ],
+)
+def test_what_does_not_go_together_is_refused(block: dict[str, Any], said: str) -> None:
+    with pytest.raises(SceneError) as error:
+        scene(block)
+    assert str(error.value).startswith(said)
+    assert "\n" not in str(error.value)
+
+
+def test_rigid_shapes_beside_a_mesh_are_convex() -> None:
+    elastic = {"name": "elastic", "width": 1.0, "height": 0.2}
+    rigid = {"name": "other", "model": "rigid", "on": "elastic"}
+    assert scene(elastic, rigid | {"shape": WEDGE}).blocks[1].shape_of is not None
+    with pytest.raises(SceneError, match=r"^other\.shape is not convex, and something is meshed"):
+        scene(elastic, rigid | {"shape": ELL})
+    feet = {"width": 1.0, "height": 1.0, "feet": {"inset": 0.1, "size": 0.1, "height": 0.1}}
+    with pytest.raises(SceneError, match=r"^other\.feet applies to scenes in which nothing is"):
+        scene(elastic, rigid | feet)
+
+
+def test_quadratic_tetrahedra_need_gauss_points() -> None:
+    block = {"shape": WEDGE, "thickness": 0.5, "degree": 2}
+    with pytest.raises(SceneError, match=r"^block\.degree: got 2, allowed 1 for tetrahedra"):
+        scene(block, dimension=3)
+    scene(block, dimension=3, contact={"points": "gauss"})
+
+
+def test_the_size_of_cells_is_filled_in_and_told() -> None:
+    given = scene({"shape": WEDGE})
+    block = given.blocks[0]
+    assert block.cell_size == default_cell_size([0.6, 0.9]) == 0.0735
+    assert block.cells is None and block.cell is None
+    assert parse_scene(given.to_dict()) == given
+    pytest.importorskip("dolfinx")
+    assert "cell_size 0.0735 m" in describe(given)
+
+
+def test_sizes_by_default_have_some_cells_in_all_directions() -> None:
+    assert default_cell_size([1.0, 1.0]) == 0.1
+    assert default_cell_size([0.1, 3.0]) == 0.025
+    assert default_cell_size([1.0, 1.0, 1.0]) == 0.125
+    assert default_cell_size([1.0, 1.0, 0.05]) == 0.025
+
+
+def test_limits_take_the_bottom_and_the_shortest_edge() -> None:
+    block = scene({"shape": WEDGE, "thickness": 0.5, "cell_size": 0.2}).blocks[0]
+    assert limits.bottom(block) == pytest.approx(0.3)
+    assert limits.corner_cell(block, 2) == [0.2, 0.2]
+    drum = {"shape": {"regular": 50}, "width": 1.0, "cell_size": 0.2}
+    edge = np.sin(np.pi / 50)
+    assert limits.corner_cell(scene(drum).blocks[0], 2) == pytest.approx([edge, edge])
+    assert limits.bottom(scene(drum).blocks[0]) == pytest.approx(edge)
+
+
+def test_faces_have_tags_of_their_own() -> None:
+    assert tags_of_faces([-1.0, 0.5, 0.5]) == (FacetTag.BOTTOM, FacetTag.TOP, 11)
+    assert tags_of_faces([0.0, 1.0, 0.0, -1.0]) == (9, FacetTag.TOP, 11, FacetTag.BOTTOM)
+
+
+@pytest.mark.parametrize("normal", [[0.0, 0.0, -1.0], [1.0, 0.0, 0.0], [0.6, 0.0, 0.8], [2, -1, 3]])
+def test_frames_of_faces_that_look_anywhere(normal: list[float]) -> None:
+    unit = np.array(normal) / np.linalg.norm(normal)
+    frame = face_frame(unit)
+    assert frame @ frame.T == pytest.approx(np.eye(3), abs=1e-15)
+    assert np.linalg.det(frame) == pytest.approx(1.0)
+    assert frame[0] == pytest.approx(unit)
+
+
+SHAPES: dict[str, Solid] = {
+    "hexagon": regular(6, 1.0, 2000.0, 0.5),
+    "triangle": polygon([[0, 0], [1, 0], [0.3, 2]], 2000.0, 0.5),
+    "prism": prism(polygon([[0, 0], [1, 0], [0.3, 2]], 2000.0, 0.5), 0.5),
+    "tetrahedron": hull([[0, 0, 0], [1, 0, 0], [0.4, 0.9, 0], [0.3, 0.3, 1.1]], 2000.0),
+    "cylinder": cylinder(1.0, 2.0, 12, 2000.0),
+}
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_a_mesh_has_the_mass_of_its_shape_and_its_size(name: str) -> None:
+    """And so have its faces their areas, by their tags."""
+    pytest.importorskip("dolfinx")
+    import ufl
+    from dolfinx.fem import assemble_scalar, form
+
+    from geometry.mesh import shape_mesh
+
+    (part,) = SHAPES[name].parts
+    made = shape_mesh(part, 0.25)
+    dx = ufl.Measure("dx", made.mesh)
+    x = ufl.SpatialCoordinate(made.mesh)
+    volume = assemble_scalar(form(1.0 * dx))
+    assert volume == pytest.approx(part.moments.volume, rel=1e-12)
+    for k, each in enumerate(part.moments.centre):
+        assert assemble_scalar(form(x[k] * dx)) == pytest.approx(volume * each, abs=1e-12)
+    ds = ufl.Measure("ds", made.mesh, subdomain_data=made.facet_tags)
+    for face, tag in enumerate(tags_of_faces(part.normals[:, -1].tolist())):
+        area = assemble_scalar(form(ufl.as_ufl(1.0) * ds(tag)))
+        assert area == pytest.approx(part.area(face), rel=1e-12)
+    cells = made.mesh.topology.index_map(part.dimension).size_global
+    nodes = made.mesh.topology.index_map(0).size_global
+    outside = sum(map(part.area, range(len(part.faces))))
+    told = simplices(part.moments.volume, outside, 0.25, 1, 2 if part.dimension == 2 else 3)
+    assert told == pytest.approx((cells, nodes), rel=0.6)  # a rough estimate
+
+
+RING = np.array([[0.0, 0.0], [2.0, 0.0], [2.5, 1.0], [1.0, 2.0], [-0.5, 1.0]])
+
+
+@pytest.mark.parametrize("turned_over", [False, True])
+def test_distances_within_a_polygon(turned_over: bool) -> None:
+    pytest.importorskip("dolfinx")
+    from solver.contact.edge_crossings import distance_inside
+
+    ring = RING[::-1] if turned_over else RING
+    found = distance_inside(np.array([[1.0, 0.5], [1.0, -0.25], [0.5, 0.0], [2.0, 0.0]]), ring)
+    assert found == pytest.approx([0.5, -0.25, 0.0, 0.0], abs=1e-15)
+
+
+def test_the_edges_of_a_polygon_are_walked_round() -> None:
+    """Anticlockwise as seen from above, also from the other side of the face."""
+    pytest.importorskip("dolfinx")
+    from geometry.foundation import level_frame
+    from solver.contact.body_points import FixedPoints
+    from solver.contact.edge_crossings import Outline
+
+    corners = np.column_stack([RING, np.ones(5)])
+    nodes = np.concatenate([corners, (corners + np.roll(corners, -1, axis=0)) / 2])
+    points = FixedPoints(nodes[[7, 2, 9, 0, 3, 5, 1, 8, 6, 4]])
+    for up in (1.0, -1.0):
+        outline = Outline(points, 1, level_frame(3, up), corners)
+        chords = outline.chords(points.reference)
+        assert outline.count == 5
+        assert np.cross(chords[0], chords[1])[2] * up > 0
+        edge = np.repeat(np.arange(5), 3)
+        fraction = np.tile([0.1, 0.5, 0.9], 5)
+        segment, where = outline.locate(edge, fraction)
+        spots = outline.spots(segment, where, points.reference).carried(points.reference)
+        begins = points.reference[outline.corners]
+        assert spots == pytest.approx(begins[edge] + fraction[:, None] * chords[edge])
+        assert outline.fraction(edge, segment, where) == pytest.approx(fraction)
+
+
+def test_faces_with_fewer_corners_have_their_own_normals() -> None:
+    pytest.importorskip("dolfinx")
+    from solver.contact.body_points import FixedPoints
+    from solver.contact.hull import Hull
+
+    for solid in (SHAPES["prism"], SHAPES["cylinder"]):
+        (part,) = solid.parts
+        placed = Hull(FixedPoints(part.corners), part.faces).placed(None)
+        assert placed.normals == pytest.approx(part.normals, abs=1e-12)
+        level = [
+            part.corners[face[0]] @ n for face, n in zip(part.faces, part.normals, strict=True)
+        ]
+        assert placed.levels == pytest.approx(np.array(level), abs=1e-12)

@@ -1,0 +1,343 @@
+"""Elastic blocks of convex shapes, and rigid ones beside them, in the plane and in space.
+
+Against boxes, statics, the equation of rocking with the numbers of the shape, and rigid shapes.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from processes import on_ranks
+
+from rockslip import History, Result, Scene, parse_scene, simulate
+from solver.reference.housner import housner, housner_restitution
+from solver.types import Array
+
+pytest.importorskip("dolfinx")
+
+G = 9.81
+
+STONE = {"density": 2400.0, "young": 5e10, "poisson": 0.2}
+
+BOX = [[-0.125, 0.0], [0.125, 0.0], [0.125, 1.0], [-0.125, 1.0]]
+TRIANGLE = [[-0.3, 0.0], [0.2, 0.0], [0.05, 0.9]]
+TRAPEZOID = [[-0.125, 0.0], [0.125, 0.0], [0.05, 1.0], [-0.1, 1.0]]
+PENTAGON = [[-0.2, 0.0], [0.25, 0.0], [0.35, 0.6], [0.0, 1.0], [-0.3, 0.5]]
+
+
+def polygon(points: list[list[float]], **keys: Any) -> dict[str, Any]:
+    """An elastic block with a polygon as its section."""
+    return STONE | {"shape": {"polygon": points}} | keys
+
+
+def scene(
+    block: dict[str, Any] | list[dict[str, Any]], end: float, step: float | None, **tables: Any
+) -> Scene:
+    """Blocks on firm ground; no step: adaptive ones."""
+    blocks = block if isinstance(block, list) else [block]
+    time = {"end": end} | ({"step": step} if step else {})
+    base = {"block": blocks, "contact": {"friction": 2.0}, "time": time}
+    return parse_scene(base | {"output": {"fields": "none"}} | tables)
+
+
+def run(given: Scene, folder: Path | None = None) -> Result:
+    """A run that goes to its end, and whose energy ledger closes."""
+    result = simulate(given, folder=folder)
+    assert result.status == "completed", result.summary["reason"]
+    assert result.summary["energy"]["largest_gain_fraction"] < 1e-6
+    assert result.summary["energy"]["ledger_error_fraction"] < 1e-9
+    return result
+
+
+def impacts(result: Result) -> list[float]:
+    """Times of the impacts of the only block, s."""
+    return [impact["time_s"] for impact in result.summary["blocks"]["block"]["impacts"]]
+
+
+def lift_off(time: Array, angle: Array, after: float, before: float) -> float:
+    """When a block lifted whose angle grows with the cube of the time since then, s."""
+    rows = np.flatnonzero((np.abs(angle) > after) & (np.abs(angle) < before))
+    line = np.polynomial.Polynomial.fit(time[rows], np.cbrt(np.abs(angle[rows])), 1)
+    return float(line.roots()[0])
+
+
+# ---------------------------------------------------------------- in the plane
+
+
+@pytest.mark.parametrize("degree", [1, 2])
+def test_a_polygon_that_is_a_box_does_what_the_box_does(degree: int) -> None:
+    """To the first impact and over two more, but for the mesh."""
+    release = {"tilt_deg": 3.0, "degree": degree}
+    box = run(scene(STONE | {"width": 0.25, "height": 1.0} | release, 1.0, None))
+    same = run(scene(polygon(BOX) | release, 1.0, None))
+    one, other = impacts(box), impacts(same)
+    assert len(one) >= 3
+    assert other[0] == pytest.approx(one[0], rel=1e-4)
+    assert other[1:3] == pytest.approx(one[1:3], rel=1e-2)
+    rows = slice(0, None, 20)
+    early = box.history["time_s"][rows] < one[0]
+    angle = np.interp(
+        box.history["time_s"][rows][early], same.history["time_s"], same.history["block.angle_rad"]
+    )
+    assert angle == pytest.approx(box.history["block.angle_rad"][rows][early], abs=3e-5)
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+@pytest.mark.parametrize("points", [TRIANGLE, PENTAGON, TRAPEZOID], ids=len)
+def test_shapes_lift_at_their_own_arm_over_height(
+    points: list[list[float]], side: int, tmp_path: Path
+) -> None:
+    """As the ground's acceleration grows slowly, to within 1 %: the ends of the bottom differ."""
+    block = polygon(points, young=1e12, cell_size=0.15)
+    limit = scene(block, 1.0, 1e-2).blocks[0].shape.uplift(side)
+    file = tmp_path / "ramp.csv"
+    slope, end = limit / 4.0, 4.8
+    file.write_text(f"0,0\n{end!r},{-side * slope * end!r}\n")
+    motion = {"kind": "table", "file": str(file)}
+    history = run(scene(block, end, 2e-3, motion=motion)).history
+    angle = history["block.angle_rad"]
+    found = slope * lift_off(history["time_s"], angle, 1e-3, 2e-2)
+    assert found == pytest.approx(limit, rel=1e-2)
+    assert np.sign(angle[np.abs(angle) > 1e-3][0]) == side
+
+
+@pytest.mark.parametrize("tilt", [3.0, -3.0])
+def test_a_trapezoid_rocks_as_the_rigid_one(tilt: float) -> None:
+    """To the first impact; after it as a rigid one that keeps as much."""
+    given = scene(polygon(TRAPEZOID, tilt_deg=tilt), 0.8, None)
+    result, shape = run(given), given.blocks[0].shape
+    exact = housner(shape, gravity=G, tilt=math.radians(tilt), end=0.8, step=1e-3)
+    rigid = simulate(scene(polygon(TRAPEZOID, tilt_deg=tilt, model="rigid"), 0.8, 1e-3))
+    (first, second, *_) = result.summary["blocks"]["block"]["impacts"]
+    assert first["time_s"] == pytest.approx(exact.impacts[0], rel=1e-3)
+    assert first["time_s"] == pytest.approx(impacts(rigid)[0], rel=2e-3)
+    own, plastic = first["restitution"], housner_restitution(shape, -1 if tilt > 0 else 1)
+    assert plastic - 0.01 < own < plastic + 0.08
+    after = housner(shape, gravity=G, tilt=math.radians(tilt), end=0.8, step=1e-3, restitution=own)
+    assert second["time_s"] == pytest.approx(after.impacts[1], rel=1.5e-2)
+
+
+@pytest.mark.parametrize("count", [6, 8])
+def test_a_regular_polygon_rolls_down_an_incline(count: int) -> None:
+    """Over its edge, elastic as rigid until its next side lands; then it rolls on.
+
+    Farther over the edge than where it balances: there all that shakes it at the start would grow.
+    """
+    slope = 180.0 / count + 10.0
+    block = STONE | {"shape": {"regular": count}, "width": 0.6}
+    tables = {"gravity_tilt_deg": slope}
+    rigid = simulate(scene(block | {"model": "rigid"}, 1.0, 1e-3, **tables))
+    turn = 2 * math.pi / count
+    end = float(np.interp(turn, rigid.history["block.angle_rad"], rigid.history["time_s"]))
+    elastic = run(scene(block, 1.3 * end, None, **tables))
+    at = np.linspace(0.3, 0.98, 20) * end
+    one, other = (
+        np.interp(at, each.history["time_s"], each.history["block.angle_rad"])
+        for each in (rigid, elastic)
+    )
+    assert one[-1] > 0.8 * turn
+    assert other == pytest.approx(one, rel=1e-2)
+    assert elastic.history["block.angle_rad"][-1] > turn
+
+
+def test_a_wedge_and_a_box_collide() -> None:
+    """In the air without gravity: momentum stays, energy is never gained, and they part."""
+    wedge = polygon([[-0.3, 0.0], [0.3, 0.0], [-0.3, 0.5]], name="wedge", young=1e9)
+    wedge |= {"position": [0.0, 3.0], "velocity": [2.0, 0.0]}
+    box = STONE | {"name": "box", "width": 0.4, "height": 0.4, "young": 1e9}
+    box |= {"position": [0.75, 3.1]}
+    given = scene([wedge, box], 0.4, 5e-4, gravity=0.0)
+    result = run(given)
+    history = result.history
+    masses = {block.name: block.shape.mass for block in given.blocks}
+    place = sum(m * history[f"{name}.centre_x_m"] for name, m in masses.items())
+    speed = np.gradient(place, history["time_s"]) / masses["wedge"]
+    assert speed == pytest.approx(np.full(len(speed), 2.0), abs=1e-6)
+    travelled = history["box.centre_x_m"][-1] - history["box.centre_x_m"][0]
+    assert travelled > 0.1
+    first = history.events[0]
+    assert {first.block, first.meets} == {"wedge", "box"}
+    # The slope of the wedge passes the place of the box's lower left corner, 0.14 m up.
+    corner, level = 0.75 - 0.2, 3.1 - 0.2
+    foot, height = -0.3 + 0.2, 3.0 - 0.5 / 3
+    reach = foot + 0.6 * (1 - (level - height) / 0.5) - 0.1
+    assert first.time_s == pytest.approx((corner - reach) / 2.0, abs=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("dimension", "sizes", "error"),
+    [(2, (0.2, 0.2), 2e-4), (2, (0.2, 0.16), 0.02), (3, (0.25, 0.2), 0.02)],
+)
+def test_a_column_of_two_shapes_has_the_pressure_of_its_weight(
+    dimension: int, sizes: tuple[float, float], error: float
+) -> None:
+    """Stresses in the middle of cells, beside weight over area, over the pressure between both.
+
+    Where their meshes match it is exact but for strains of 4e-5, else as off as between boxes: it
+    has no common refinement.
+    """
+    import ufl
+    from dolfinx import fem
+    from dolfinx.mesh import compute_midpoints
+
+    from solver.bodies.elastic_forms import green_strain
+    from solver.build.assembly import build, initial_state
+
+    stone = {"density": 2000.0, "young": 1e9, "poisson": 0.0, "degree": 2}
+    if dimension == 2:
+        half = {"shape": {"polygon": [[-0.5, 0.0], [0.5, 0.0], [0.5, 1.0], [-0.5, 1.0]]}}
+    else:
+        half = {"shape": {"cylinder": 1.0, "sides": 6}, "height": 1.0}
+    low = stone | half | {"name": "low", "cell_size": sizes[0]}
+    top = stone | half | {"name": "top", "on": "low", "cell_size": sizes[1]}
+    contact = {"friction": 0.5, "points": "gauss"}
+    case = scene([low, top], 0.01, 1e-3, contact=contact, dimension=dimension)
+    assembly = build(case)
+    state, remark = initial_state(case, assembly)
+    assert not remark
+    pressure = 2000.0 * G
+    for member, own in zip(assembly.members, assembly.stepper.system.slices, strict=False):
+        body = member.body
+        body.u.x.array[:] = state.u[own]
+        strain = green_strain(ufl.grad(body.u))
+        cells = fem.functionspace(body.space.mesh, ("DG", 0))
+        places = cells.element.interpolation_points
+        stress = fem.Function(cells)
+        up = 2 * body.material.shear * strain[dimension - 1, dimension - 1]
+        given = fem.Expression(up, places() if callable(places) else places)
+        stress.interpolate(given)
+        count = cells.dofmap.index_map.size_local
+        numbers = np.arange(count, dtype=np.int32)
+        middle = compute_midpoints(body.space.mesh, dimension, numbers)[:, dimension - 1]
+        off = stress.x.array[:count] / body.thickness + pressure * (2.0 - middle)
+        assert np.abs(off).max() < error * pressure
+
+
+# ---------------------------------------------------------------- in space
+
+CYLINDER = {"shape": {"cylinder": 0.5, "sides": 12}, "height": 1.0}
+TETRAHEDRON = {"shape": {"profile": [[0.0, 0.0], [0.4, 0.0], [0.0, 0.6]], "sides": 3}}
+HEXAGON = {"shape": {"regular": 6}, "width": 0.6, "thickness": 0.5}
+WEDGE = {"shape": {"polygon": TRIANGLE}, "thickness": 0.5}
+
+
+@pytest.mark.parametrize("shape", [CYLINDER, TETRAHEDRON, HEXAGON, WEDGE], ids=str)
+def test_shapes_stand_in_space(shape: dict[str, Any]) -> None:
+    """With their weight, closed, and at rest."""
+    given = scene(STONE | shape, 0.02, 1e-3, dimension=3)
+    history = run(given).history
+    weight = given.blocks[0].shape.mass * G
+    assert history["block.normal_force_N"] == pytest.approx(weight, rel=1e-7)
+    gaps = np.array([history[f"block.gap_{k}_m"] for k in (1, 2, 3, 4)])
+    assert np.abs(gaps).max() < 1e-8
+    assert np.abs(history["block.slip_m"]).max() < 1e-8
+
+
+@pytest.mark.parametrize("direction", [0.0, 40.0])
+def test_a_cylinder_leans_as_the_rigid_one(direction: float) -> None:
+    """Released over an edge and over a corner of its bottom, up to its first impact."""
+    lean = {"tilt_deg": 5.0, "tilt_direction_deg": direction}
+    rigid = simulate(scene(STONE | CYLINDER | lean | {"model": "rigid"}, 0.3, 1e-3, dimension=3))
+    elastic = run(scene(STONE | CYLINDER | lean, 0.3, 5e-4, dimension=3)).history
+    end = impacts(rigid)[0]
+    at = np.linspace(0.2, 0.95, 20) * end
+    for key in ("angle_x_rad", "angle_y_rad"):
+        one, other = (
+            np.interp(at, each["time_s"], each[f"block.{key}"]) for each in (rigid.history, elastic)
+        )
+        assert other == pytest.approx(one, abs=1e-2 * math.radians(5.0))
+
+
+def test_a_tetrahedron_slides() -> None:
+    """Obliquely, and slowed by friction alone: v t - mu g t^2/2."""
+    keys = {"velocity": [0.6, 0.8, 0.0]}
+    contact = {"friction": 0.1}
+    history = run(
+        scene(STONE | TETRAHEDRON | keys, 0.3, 1e-3, dimension=3, contact=contact)
+    ).history
+    time = history["time_s"]
+    way = np.hypot(
+        *(history[f"block.centre_{x}_m"] - history[f"block.centre_{x}_m"][0] for x in "xy")
+    )
+    assert way == pytest.approx(time - 0.1 * G * time**2 / 2, abs=3e-4)
+
+
+@pytest.mark.parametrize(
+    ("below", "above", "off"),
+    [
+        (CYLINDER, CYLINDER, 1e-5),
+        (CYLINDER, CYLINDER | {"model": "rigid"}, 1e-3),  # more points than nodes below
+        (CYLINDER | {"model": "rigid"}, CYLINDER, 1e-5),
+        ({"width": 0.6, "height": 0.3, "thickness": 0.6, "cells": [3, 3, 2]}, HEXAGON, 1e-5),
+        (CYLINDER, {"width": 0.7, "height": 0.3, "thickness": 0.2, "cells": [6, 2, 2]}, 1e-5),
+    ],
+    ids=["equal", "rigid on elastic", "elastic on rigid", "prism on box", "box across"],
+)
+def test_shapes_stand_on_one_another(
+    below: dict[str, Any], above: dict[str, Any], off: float
+) -> None:
+    """The edges of their faces cross; both weights arrive."""
+    blocks = [
+        STONE | {"name": "low", "young": 1e9} | below,
+        STONE | {"name": "top", "on": "low", "young": 1e9, "offset": 0.05} | above,
+    ]
+    given = scene(blocks, 0.02, 1e-3, dimension=3)
+    history = run(given).history
+    low, top = (block.shape.mass * G for block in given.blocks)
+    assert history["top.normal_force_N"] == pytest.approx(top, rel=off)
+    assert history["low.normal_force_N"] == pytest.approx(low + top, rel=off)
+    assert np.abs(history["top.slip_m"]).max() < 1e-6
+
+
+# ---------------------------------------------------------------- runs
+
+SHAKEN = """
+[[block]]
+shape = { polygon = [[-0.2, 0.0], [0.2, 0.0], [0.1, 1.0], [-0.15, 1.0]] }
+density = 2400.0
+young = 5.0e9
+poisson = 0.2
+tilt_deg = 2.0
+[contact]
+friction = 0.5
+[time]
+end = 0.3
+step = 1.0e-3
+[output]
+fields = "none"
+"""
+
+IN_SPACE = SHAKEN.replace("[[block]]", "dimension = 3\n[[block]]\nthickness = 0.4").replace(
+    "end = 0.3", "end = 0.1"
+)
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("text", [SHAKEN, IN_SPACE], ids=["plane", "space"])
+def test_ranks_agree(text: str, tmp_path: Path) -> None:
+    """One and two ranks, to 1e-8 of the angle and of lengths."""
+    (tmp_path / "scene.toml").write_text(text, encoding="utf-8")
+    for ranks in (1, 2):
+        done = on_ranks(ranks, tmp_path, "run", "scene.toml", "-q", "-o", f"ranks{ranks}")
+        assert done.returncode == 0, done.stderr
+    one, two = (History.read(tmp_path / f"ranks{n}" / "history.csv") for n in (1, 2))
+    for key, size in (("angle_rad", 0.035), ("slip_m", 0.4), ("centre_x_m", 0.4)):
+        name = f"block.{key}"
+        assert two[name] == pytest.approx(one[name], abs=1e-8 * size), name
+
+
+def test_a_run_goes_on_from_a_checkpoint(tmp_path: Path) -> None:
+    """To the digit, as one that was not interrupted."""
+    text = SHAKEN + "checkpoint = { steps = 100 }\n"
+    whole, parts = tmp_path / "whole", tmp_path / "parts"
+    simulate(parse_scene(text), folder=whole)
+    simulate(parse_scene(text.replace("end = 0.3", "end = 0.1")), folder=parts)
+    done = on_ranks(1, tmp_path, "run", "-q", "--resume", "parts", "--set", "time.end=0.3")
+    assert done.returncode == 0, done.stderr
+    one, other = (History.read(folder / "history.csv") for folder in (whole, parts))
+    for key in ("angle_rad", "slip_m", "normal_force_N"):
+        assert np.array_equal(one[f"block.{key}"], other[f"block.{key}"]), key
