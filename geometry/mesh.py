@@ -62,7 +62,7 @@ def shape_mesh(part: Convex, size: float, comm: MPI.Intracomm = MPI.COMM_WORLD) 
         size: Length of the edges of the cells, m.
         comm: The ranks that share the mesh.
     """
-    tags = tags_of_faces(part.normals[:, -1].tolist())
+    tags = tags_of_faces([float(rise) for rise in part.normals[:, -1]])
 
     def build() -> None:
         convex(part.corners, part.faces, tags, CellTag.BLOCK, size)

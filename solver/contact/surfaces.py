@@ -55,7 +55,7 @@ def loops_of(shape: Block | None, dimension: int) -> dict[int, list[int]]:
     if shape is None or shape.solid is None:
         return {int(tag): list(loop) for tag, loop in BOX_FACES[dimension].items()}
     (part,) = shape.solid.parts
-    tags = tags_of_faces(part.normals[:, -1].tolist())
+    tags = tags_of_faces([float(rise) for rise in part.normals[:, -1]])
     return {tag: list(face) for tag, face in zip(tags, part.faces, strict=True)}
 
 
