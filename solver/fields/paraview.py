@@ -119,7 +119,7 @@ def write_script(folder: Path, scene: Scene, *, stress: bool) -> None:
         dimension=scene.dimension,
         level=floor_level(scene),
         stress=stress,
-        edges=all(block.shape.solid is None for block in scene.blocks),
+        edges=all(b.model != "rigid" or b.shape.solid is None for b in scene.blocks),
     )
     (folder / "open_in_paraview.py").write_text(text, encoding="utf-8")
 
@@ -136,7 +136,7 @@ def paraview_script(
     """Text of `open_in_paraview.py`, with a floor at a level whose half length is given, m.
 
     Bodies are coloured by their stress where one is elastic, else each in a colour. They have the
-    `edges` of their cells, but for shapes, whose faces are cut into triangles.
+    `edges` of their cells, but for rigid shapes, whose faces are cut into triangles.
     """
     spatial = dimension == 3
     return SCRIPT.substitute(
