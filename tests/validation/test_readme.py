@@ -172,7 +172,8 @@ def shortened(words: list[str]) -> list[str]:
             words = [*words[:at], *words[at + 2 :]]
         more = (*tiny, *(() if "--resume" in words else ("--force",)))
     elif task == "study horizon":
-        more = (*TINY_STUDY, "-j", "1", *(() if "--resume" in words else ("--force",)))
+        tiny = TINY_STUDY if words[3] == "scene.toml" else ("--set", *TINY_STUDY[2:])
+        more = (*tiny, "-j", "1", *(() if "--resume" in words else ("--force",)))
     elif task == "study damping":
         words[3:4] = ["demos/free_rocking/scene.toml"]
         coarse = ("block.cells=[1,2]", "time.end=0.2", "time.tolerance=1")
@@ -218,10 +219,11 @@ def furnished(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (folder / file).write_text(RECORD)
     for name in ("list.txt", "table1.txt"):
         (folder / name).write_text("a.AT2\n")
-    for scene in ROOT.glob("demos/*/*.toml"):
-        copy = folder / scene.relative_to(ROOT)
-        copy.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(scene, copy)
+    for kind in ("toml", "stl"):
+        for file in ROOT.glob(f"demos/*/*.{kind}"):
+            copy = folder / file.relative_to(ROOT)
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(file, copy)
     for task, output in (("run", "out"), ("run", "elastic"), ("reference", "rigid")):
         call(folder, ["rockslip", task, "scene.toml", "-o", output])
     return folder
