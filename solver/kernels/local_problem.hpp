@@ -146,7 +146,11 @@ template <int d> class LocalProblem {
 
     /// The impulse of a contact, or a link, nearest to a trial P - r y; its derivative, where wanted.
     static Vec<d> admissible(const C& k, const Vec<d>& trial, const std::array<double, 2>& r, State& state, Mat<d, d>* derivative) {
-        if (!k.link) return project<d>(k.bound, k.mode, k.given, trial, state, derivative);
+        if (k.link) return of_link(k, trial, r, state, derivative);
+        return project<d>(k.bound, k.mode, k.given, trial, state, derivative);
+    }
+
+    [[gnu::noinline]] static Vec<d> of_link(const C& k, const Vec<d>& trial, const std::array<double, 2>& r, State& state, Mat<d, d>* derivative) {
         Vec<d> p{};
         if (derivative) *derivative = {};
         state = GIVEN;

@@ -154,7 +154,7 @@ template <int d> class NarrowPhase {
                 if (least <= most) break;
             }
             apart = std::max(apart, least);
-            if (least > most && !shape.faces[f].inner) {
+            if (least > most && shape.is_surface(f)) {
                 most = least;
                 best = static_cast<int>(f);
             }
@@ -168,7 +168,7 @@ template <int d> class NarrowPhase {
         int best = 0;
         double least = INFINITY;
         for (std::size_t f = 0; f < placed.normals.size(); f++) {
-            if (shape.faces[f].inner) continue;
+            if (!shape.is_surface(f)) continue;
             const double cosine = dot(placed.normals[f], direction);
             if (cosine < least) {
                 least = cosine;

@@ -35,6 +35,7 @@ template <int d> struct Shape {
     double radius = 0;  // of the sphere about the origin that holds all vertices, m
 
     bool is_corner(int vertex) const { return inner.empty() || !inner[vertex]; }
+    bool is_surface(std::size_t face) const { return inner.empty() || !faces[face].inner; }
     bool is_half_space() const { return vertices.empty(); }
 };
 
