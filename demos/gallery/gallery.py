@@ -76,7 +76,7 @@ def main() -> None:
     """Run what is asked for."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(SCENES)}")
-    parser.add_argument("--output", type=Path, default=ROOT / "output" / "gallery")
+    parser.add_argument("-o", "--output", type=Path, default=ROOT / "output" / "gallery")
     options = parser.parse_args()
     if unknown := set(options.names) - set(SCENES):
         parser.error(f"no scene {', '.join(sorted(unknown))}")

@@ -115,7 +115,7 @@ def main() -> None:
     """Write both files."""
     parser = argparse.ArgumentParser(description=__doc__)
     here = Path(__file__).resolve().parent
-    parser.add_argument("--output", type=Path, default=here, help="folder of both files")
+    parser.add_argument("-o", "--output", type=Path, default=here, help="folder of both files")
     folder = parser.parse_args().output
     folder.mkdir(parents=True, exist_ok=True)
     for name, rings in (("vase", vase()), ("statue", statue())):
