@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -117,7 +118,7 @@ def polygon_faces(count: int) -> Faces:
     return tuple((k, (k + 1) % count) for k in range(count))
 
 
-def triangles_of(faces: Faces) -> Indices:
+def triangles_of(faces: Sequence[Sequence[int]]) -> Indices:
     """The faces of a polyhedron as triangles, fans about their first corners, (m, 3)."""
     fans = [(face[0], face[k - 1], face[k]) for face in faces for k in range(2, len(face))]
     return np.array(fans, dtype=np.int64)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import importlib
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any
@@ -497,34 +497,37 @@ def _with_one_surface(solids: Sequence[Solid], parts: tuple[Convex, ...]) -> Sol
 
 
 def _refuse_overlap(first: Solid, second: Solid) -> None:
-    """ValueError where parts of two solids have a ball in common, by linear programming."""
-    size = size_of(np.concatenate([first.corners, second.corners]))
-    for one in first.parts:
-        for other in second.parts:
-            low = np.maximum(one.corners.min(axis=0), other.corners.min(axis=0))
-            high = np.minimum(one.corners.max(axis=0), other.corners.max(axis=0))
-            if (high - low <= SINGLE * size).any():
-                continue
-            radius, place = _largest_ball(one, other, (low + high) / 2, size)
-            if radius > SINGLE * size:
-                raise ValueError(
-                    f"union: got solids that overlap by {2 * radius:.3g} m at {told(place)},"
-                    " allowed ones that touch or are apart"
-                )
+    """ValueError where parts of two solids have a ball in common."""
+    least = SINGLE * size_of(np.concatenate([first.corners, second.corners]))
+    for radius, place in _common_balls(first.parts, second.parts, least):
+        if radius > least:
+            raise ValueError(
+                f"union: got solids that overlap by {2 * radius:.3g} m at {told(place)},"
+                " allowed ones that touch or are apart"
+            )
 
 
 def common_depth(first: Sequence[Convex], second: Sequence[Convex]) -> float:
     """Diameter of the largest ball in a part of both of two bodies, m; 0 if there is none."""
-    depth = 0.0
+    return max(
+        (max(2 * radius, 0.0) for radius, _ in _common_balls(first, second, 0.0)), default=0.0
+    )
+
+
+def _common_balls(
+    first: Sequence[Convex], second: Sequence[Convex], least: float
+) -> Iterator[tuple[float, Array]]:
+    """Radius and centre of the largest ball in both of two parts, < 0 if they are apart, m.
+
+    For each pair whose boxes overlap by more than a least distance, by linear programming.
+    """
     for one in first:
         for other in second:
             low = np.maximum(one.corners.min(axis=0), other.corners.min(axis=0))
             high = np.minimum(one.corners.max(axis=0), other.corners.max(axis=0))
-            size = size_of(np.concatenate([one.corners, other.corners]))
-            if (high > low).all():
-                radius, _ = _largest_ball(one, other, (low + high) / 2, size)
-                depth = max(depth, 2 * radius)
-    return depth
+            if (high - low > least).all():
+                size = size_of(np.concatenate([one.corners, other.corners]))
+                yield _largest_ball(one, other, (low + high) / 2, size)
 
 
 def _largest_ball(one: Convex, other: Convex, origin: Array, size: float) -> tuple[float, Array]:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from geometry.convex import triangles_of
 from solver.parallel import Comm, Single
 from solver.types import Array, Indices
 
@@ -50,8 +51,7 @@ def one_cell(corners: Array) -> Part:
 
 def triangles(corners: Array, faces: Sequence[Sequence[int]]) -> Part:
     """A body by the triangles of its faces, in the plane of itself; corners are (n, d), m."""
-    fans = [(face[0], face[k - 1], face[k]) for face in faces for k in range(2, len(face))]
-    return Part(points=in_space(corners), nodes=np.array(fans), kind=TRIANGLE)
+    return Part(points=in_space(corners), nodes=triangles_of(faces), kind=TRIANGLE)
 
 
 def in_space(vectors: Array) -> Array:
