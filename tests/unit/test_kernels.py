@@ -133,16 +133,12 @@ def test_one_of_other_sources_is_refused(monkeypatch: pytest.MonkeyPatch, tmp_pa
 
 @pytest.mark.slow
 @NEEDS_COMPILER
-def test_no_compiler_warns(tmp_path: Path) -> None:
-    built = build(tmp_path / NAME, "-Wall", "-Wextra", "-Wshadow", "-Werror")
-    assert built.returncode == 0, built.stderr
+def test_sanitizers_and_compiler_find_nothing(tmp_path: Path) -> None:
+    """In dominoes, a wall, blocks in space, the law of points; what is there, they find.
 
-
-@pytest.mark.slow
-@NEEDS_COMPILER
-def test_sanitizers_find_nothing(tmp_path: Path) -> None:
-    """In dominoes, a wall, blocks in space, the law of points; what is there, they find."""
-    built = build(tmp_path / NAME, *SANITIZERS)
+    Nor does the compiler warn.
+    """
+    built = build(tmp_path / NAME, *SANITIZERS, "-Wall", "-Wextra", "-Wshadow", "-Werror")
     assert built.returncode == 0, built.stderr
     preloaded = [
         subprocess.run(

@@ -82,12 +82,13 @@ def test_its_checks_hold(demo: ModuleType, folder: Path, capsys: Captured) -> No
 
 
 def test_a_meshed_plate_drifts_like_the_oscillator(demo: ModuleType, tmp_path: Path) -> None:
-    """Two motions, under one of which the block slides, with default steps."""
-    words = ["--plate", "--count", "2", "-q", "-j", "2", "--set", "block.cells=[3,2]"]
+    """A motion under which the block slides, with default steps."""
+    words = ["--plate", "--count", "1", "--seed", "6", "-q", "-j", "2"]
+    words += ["--set", "block.cells=[3,2]"]
     assert demo.main([*words, "-o", str(tmp_path / "plate")]) == 0
     rows = demo.read_table(tmp_path / "plate" / "suite.csv")
     assert max(float(row["block.peak_slip_m"]) for row in rows) > 1e-3
-    assert [float(row[demo.RATIO]) for row in rows] == pytest.approx([1.0] * 8, abs=1e-3)
+    assert [float(row[demo.RATIO]) for row in rows] == pytest.approx([1.0] * 4, abs=1e-3)
 
 
 def test_its_checks_can_fail(demo: ModuleType, folder: Path, capsys: Captured) -> None:

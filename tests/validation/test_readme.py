@@ -241,7 +241,8 @@ def _marked(command: tuple[str, str]) -> object:
 
 
 @pytest.mark.parametrize("command", [_marked(each) for each in RUN])
-def test_command_lines_run(folder: Path, command: str) -> None:
+def test_command_lines_run(folder: Path, command: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("solver.study.inertia.numbers.RESAMPLES", 20)
     words = shlex.split(command)
     if "run" in words and "--resume" in words:
         at, saved = words.index("--resume"), ["--set", "output.checkpoint={steps=5}"]
