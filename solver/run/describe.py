@@ -115,8 +115,11 @@ def _outline(block: BlockSpec, shape: Block) -> Lines:
         return []
     if spec is None:
         low, high = shape.base or (0.0, 0.0)
+        if block.container is not None:
+            model = "" if block.scale == 1.0 else f" at a scale of {block.scale:g}"
+            return [("  container", f"{block.container}{model}, on its corner castings")]
         tall = f"{shape.height:g} m high with them, {high - low:g} m over their outer edges"
-        return [("  feet", f"{len(solid.parts) - 1}: {tall} along x")]
+        return [("  feet", f"{shape.feet}: {tall} along x")]
     flat, count = solid.dimension == 2, len(solid.parts)
     facets = sum(len(part.faces) for part in solid.parts)
     parts = "convex" if count == 1 else f"{count} convex parts"

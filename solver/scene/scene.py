@@ -212,8 +212,9 @@ class Scene(Checked):
         if not self.is_rigid:
             self._refuse_unmeshed()
             for block in self.blocks:
-                if block.feet is not None:
-                    raise not_applicable(f"{block.name}.feet", UNMESHED)
+                for key in ("feet", "container"):
+                    if getattr(block, key) is not None:
+                        raise not_applicable(f"{block.name}.{key}", UNMESHED)
                 if block.shape.solid is not None and not block.shape.solid.is_convex:
                     said = "is not convex, and something is meshed, which meets convex shapes only"
                     raise Statement(f"{block.name}.shape", f"{said}; allowed is {RIGID}")
