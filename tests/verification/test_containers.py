@@ -160,6 +160,25 @@ def test_a_container_that_misses_the_castings_below_sinks_to_the_roof() -> None:
     assert right == 0.0 and 0.4 * WEIGHT < left < 0.6 * WEIGHT
 
 
+@pytest.mark.parametrize("d", [2, 3])
+def test_containers_that_tumble_gain_nothing(d: int) -> None:
+    """Three fall onto one that stands, and meet it and one another."""
+    falling = [
+        {
+            "name": f"falling{k}",
+            "position": [0.7 * k - 0.7, *[0.4 * k] * (d - 2), 7.0 + 4.5 * k],
+            "tilt_deg": 35.0 * k - 20.0,
+            "load": "full" if k == 1 else "empty",
+        }
+        for k in range(3)
+    ]
+    boxes = [EMPTY, *(EMPTY | each for each in falling)]
+    result = run(scene(d, *boxes, end=4.0, step=4e-3, friction=0.5), ledger=1e-8)
+    history = result.history
+    assert max(history[f"falling{k}.penetration_m"].max() for k in range(3)) < 1e-4
+    assert history["energy.total_J"][-1] < 0.7 * history["energy.total_J"][0]
+
+
 # ------------------------------------------------------------------ locks
 
 
