@@ -92,7 +92,7 @@ class BlockSpec(Checked):
     on: str | tuple[str, ...] = OPEN
     """Its carrier: `"foundation"` or the name of another block; or an array of
     [several](#several-supports), whose tops are level. Default: `"foundation"`."""
-    shape_of: ShapeSpec | None = field(default=None, metadata={"key": "shape"})
+    given_shape: ShapeSpec | None = field(default=None, metadata={"key": "shape"})
     """What it is where it is no box; see [shapes](#shapes). Convex where it is elastic or something
     else is meshed. Default: a box."""
     feet: EvenFeetSpec | tuple[FootSpec, ...] | None = None
@@ -187,7 +187,9 @@ class BlockSpec(Checked):
                 yield key, value
         if self.container is not None:
             yield from self._of_container(self.container)
-        elif is_open(self.thickness) and (self.shape_of is None or not self.shape_of.is_round):
+        elif is_open(self.thickness) and (
+            self.given_shape is None or not self.given_shape.is_round
+        ):
             yield "thickness", 1.0
 
     def _of_container(self, name: ContainerName) -> Iterator[tuple[str, Any]]:
@@ -228,7 +230,7 @@ class BlockSpec(Checked):
 
     def _check_lengths(self) -> None:
         """Refuse a block without its lengths, and what does not go with a shape."""
-        shape = self.shape_of
+        shape = self.given_shape
         self._check_container()
         if self.feet == ():
             raise SceneError("feet", "none", "a table for all, or an array of one table each")
@@ -264,7 +266,7 @@ class BlockSpec(Checked):
             return
         if self.model != "rigid":
             raise not_applicable("container", f"blocks with {RIGID_MODEL} only")
-        for key, other in (("shape", self.shape_of), ("feet", self.feet)):
+        for key, other in (("shape", self.given_shape), ("feet", self.feet)):
             if other is not None:
                 raise SceneError(key, f"both container and {key}", "one of them")
         if not self.parts and self.mass is self.density is None:
@@ -345,12 +347,12 @@ class BlockSpec(Checked):
 
     def _cells_in(self, dimension: Dimension) -> dict[str, Any]:
         """Number and shape of the cells of a box; their size in a shape, if that is elastic."""
-        if self.shape_of is None:
+        if self.given_shape is None:
             cells = cells_of(self, dimension, DEFAULT_CELLS[dimension])
             return {"cells": cells, "cell": cell_of(self, dimension)}
         if self.model == "rigid":
             return {}
-        solid = solid_of(self.shape_of, self._shape_sizes, dimension)
+        solid = solid_of(self.given_shape, self._shape_sizes, dimension)
         if not solid.is_convex:
             said = "is not convex, and only convex shapes are meshed"
             raise Statement("shape", f"{said}: give the block {RIGID_MODEL}, and mesh nothing else")
@@ -363,13 +365,13 @@ class BlockSpec(Checked):
 
     def _lengths_in(self, dimension: Dimension) -> dict[str, Any]:
         """Width, height and thickness of a shape, which may stand there but not otherwise."""
-        if self.shape_of is None:
+        if self.given_shape is None:
             return {}
-        self.shape_of.in_dimension(dimension)
-        solid = solid_of(self.shape_of, self._shape_sizes, dimension)
+        self.given_shape.in_dimension(dimension)
+        solid = solid_of(self.given_shape, self._shape_sizes, dimension)
         x, *y, z = map(float, solid.high - solid.low)
         found: dict[str, Any] = {"width": x, "height": z}
-        if self.shape_of.kind == "regular":  # whose width is that of its circle
+        if self.given_shape.kind == "regular":  # whose width is that of its circle
             found["width"] = self.width
         found["thickness"] = y[0] if y else solid.thickness
         for key, value in found.items():
@@ -387,8 +389,8 @@ class BlockSpec(Checked):
     @property
     def _shape_sizes(self) -> Sizes:
         """What the keys of the block say of its shape."""
-        width = self.width if self.shape_of and self.shape_of.kind == "regular" else None
-        height = self.height if self.shape_of and self.shape_of.kind == "cylinder" else None
+        width = self.width if self.given_shape and self.given_shape.kind == "regular" else None
+        height = self.height if self.given_shape and self.given_shape.kind == "cylinder" else None
         return Sizes(width, height, self.thickness or 1.0, self.density or 1.0)
 
     def _velocity_in(self, dimension: Dimension) -> Vector:
@@ -434,10 +436,10 @@ class BlockSpec(Checked):
 
     def _body(self, dimension: Dimension) -> Block:
         """The block without its feet; a container as the box around it."""
-        if self.shape_of is not None:
+        if self.given_shape is not None:
             tensor = None if self.inertia is None else inertia_tensor(self.inertia)
             given = Given(self.mass, self._centre_in_space(), tensor)
-            return block_of(self.shape_of, self._shape_sizes, dimension, given)
+            return block_of(self.given_shape, self._shape_sizes, dimension, given)
         lengths = self.width, self.height, self.thickness
         size: dict[str, Any] = dict(zip(("width", "height", "thickness"), lengths, strict=True))
         volume = math.prod(lengths)
@@ -529,7 +531,7 @@ class BlockSpec(Checked):
         """The size of its mesh, or that there is none."""
         if self.model == "rigid":
             return f"none: rigid, {3 if dimension == 2 else 6} unknowns"
-        if self.shape_of is None:
+        if self.given_shape is None:
             return box_mesh_size(self, dimension)
         cells, nodes = self._simplices(dimension)
         kind: Cell = "triangle" if dimension == 2 else "tetrahedron"
@@ -538,11 +540,11 @@ class BlockSpec(Checked):
 
     def nodes(self, dimension: Dimension) -> int:
         """Number of the nodes of its mesh, if it is elastic; of a shape about that."""
-        return box_nodes(self) if self.shape_of is None else self._simplices(dimension)[1]
+        return box_nodes(self) if self.given_shape is None else self._simplices(dimension)[1]
 
     def nodes_below(self) -> int:
         """Number of the nodes of its bottom, if it is elastic; of a shape about that."""
-        if self.shape_of is None:
+        if self.given_shape is None:
             return math.prod(self.degree * count + 1 for count in self.cells[:-1])
         flat = len(self.velocity) - 1
         across = self.thickness if flat == 1 else 1.0
@@ -550,8 +552,8 @@ class BlockSpec(Checked):
 
     def _simplices(self, dimension: Dimension) -> tuple[int, int]:
         """About how many cells and nodes there are of an elastic shape."""
-        assert self.shape_of is not None
-        (part,) = solid_of(self.shape_of, self._shape_sizes, dimension).parts
+        assert self.given_shape is not None
+        (part,) = solid_of(self.given_shape, self._shape_sizes, dimension).parts
         outside = sum(map(part.area, range(len(part.faces))))
         return simplices(part.moments.volume, outside, self.cell_size, self.degree, dimension)
 

@@ -172,7 +172,7 @@ class Scene(Checked):
                 _refuse_unknown("on", force.on, names)
                 force.refuse_elsewhere(self.dimension)
                 pressed = next(block for block in self.blocks if block.name == force.on)
-                if force.pressure is not None and pressed.shape_of is not None:
+                if force.pressure is not None and pressed.given_shape is not None:
                     raise not_applicable("pressure", f"boxes; {force.on} has a shape: give force")
 
     def _thickness(self) -> float:
@@ -239,7 +239,7 @@ class Scene(Checked):
 
     def _check_degree(self, block: BlockSpec) -> None:
         """Refuse quadratic tetrahedra with nodes: no rule has positive weights at the vertices."""
-        is_shape = block.shape_of is not None and self.dimension == 3
+        is_shape = block.given_shape is not None and self.dimension == 3
         tetrahedra = block.model == "elastic" and (is_shape or block.cell == "tetrahedron")
         if tetrahedra and block.degree == 2 and self.contact.points == "nodes":
             allowed = '1 for tetrahedra, or contact.points = "gauss"'
