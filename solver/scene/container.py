@@ -39,7 +39,7 @@ CASTING = (0.162, 0.178)
 """Sides of the faces of a corner casting along width and length, m (ISO 1161); it is 0.118 high."""
 
 BELOW = 0.0125
-"""By which the castings are below the underside of a container, m (ISO 1496-1)."""
+"""By which the castings are below the underside of a container, m (ISO 668, its base)."""
 
 ABOVE = 0.006
 """By which they are above its roof at least, m (ISO 1496-1)."""

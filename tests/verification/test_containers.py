@@ -144,6 +144,21 @@ def test_containers_stand_casting_on_casting(d: int) -> None:
         level, above = level + height, above - tare
 
 
+def test_one_of_40_feet_stands_on_two_of_20() -> None:
+    """76 mm apart, castings at its ends on theirs."""
+    lower = [
+        EMPTY | {"name": side, "offset_second": y} for side, y in (("a", -3.067), ("b", 3.067))
+    ]
+    upper = EMPTY | {"name": "upper", "container": "40ft", "on": ["a", "b"]}
+    history = run(scene(3, *lower, upper, end=0.1)).history
+    assert history["upper.centre_z_m"] == pytest.approx(1.5 * 2.591, abs=1e-12)
+    forces = [history[f"upper.foot_{k}.normal_force_N"][-1] for k in (1, 2, 3, 4)]
+    assert forces == pytest.approx([3750.0 * G / 4] * 4, rel=1e-9)
+    for name in ("a", "b"):
+        forces = [history[f"{name}.foot_{k}.normal_force_N"][-1] for k in (1, 2, 3, 4)]
+        assert sum(forces) == pytest.approx(WEIGHT + 3750.0 * G / 2, rel=1e-12)
+
+
 def test_a_container_that_misses_the_castings_below_sinks_to_the_roof() -> None:
     """One side sinks by 6 mm, to the roof; the other by 12.5 mm, with its underside on a casting.
 
@@ -232,6 +247,13 @@ def test_twist_locks_pull_where_what_is_above_would_uplift(tmp_path: Path, d: in
 
 
 # ------------------------------------------------------------------ keys
+
+
+def test_the_page_of_the_scene_has_these_numbers() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "scene.md").read_text(encoding="utf-8")
+    for name, (length, height, tare) in SIZES.items():
+        sizes = f"{WIDTH}, {height}, {length} m"
+        assert f'| `"{name}"` | {sizes} | {tare:.0f} kg | {GROSS:.0f} kg |' in page
 
 
 def test_a_scene_of_containers_says_the_same_when_it_is_written_out() -> None:
