@@ -129,7 +129,9 @@ def allowed(hint: Any, key: str) -> str:
             return f"{number(first, key)}, {allowed_one(other, key)}"
         if get_origin(other) is tuple and is_dataclass(get_args(other)[0]):
             return f"{number(first, key)}, or an array of tables"
-        return f"{number(first, key)}{', or a table' if is_dataclass(other) else '; 3-D: 3 values'}"
+        if is_dataclass(other) or other is str:
+            return f"{number(first, key)}, or {allowed_one(other, key)}"
+        return f"{number(first, key)}; 3-D: {len(get_args(other))} values"
     return allowed_one(parts[0], key)
 
 
@@ -148,6 +150,8 @@ def allowed_one(hint: Any, key: str) -> str:
         return ", ".join(f"`{shown(word)}`" for word in get_args(hint))
     if origin is Annotated:
         return number(hint, key)
+    if is_dataclass(hint):
+        return "a table"
     return {bool: "`true`, `false`", str: "a text", Path: "the name of a file"}[hint]
 
 

@@ -54,7 +54,9 @@ class Block:
     bottom: tuple[tuple[float, ...], ...] = ()
     """Corners on which a solid may stand, m; none: the lowest ones."""
     feet: int = 0
-    """Number of its feet, which are the last ones of its parts."""
+    """Number of the feet that it stands on, which are the last ones of its parts."""
+    walls: tuple[float, float] | None = None
+    """Levels between which its faces are, m, where feet are beyond them; None: all its height."""
 
     def __post_init__(self) -> None:
         """Refuse what is no block."""

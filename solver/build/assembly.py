@@ -167,7 +167,7 @@ def _fineness(member: BlockBody) -> float:
     spec = member.spec
     if spec.model == "rigid":
         return 0.0
-    if spec.shape_of is not None:
+    if spec.given_shape is not None:
         return 1.0 / spec.cell_size
     return max(spec.cells[0] / spec.width, spec.cells[-1] / spec.height)
 

@@ -47,8 +47,9 @@ def whole_force(spec: ForceSpec, pose: Pose, shape: Block) -> Array:
 
 def _box(shape: Block, d: int) -> tuple[Array, Array]:
     """Lowest and highest corner of a box, or of the one that stands on feet, m."""
-    corners = np.array(shape.corners(d)) if shape.solid is None else shape.solid.parts[0].corners
-    return corners.min(axis=0), corners.max(axis=0)
+    half = np.array(shape.half_lengths(d)[:-1])
+    low, high = shape.walls or (0.0, shape.height)
+    return np.append(-half, low), np.append(half, high)
 
 
 def _normal(spec: ForceSpec, d: int) -> tuple[int, float]:

@@ -110,13 +110,16 @@ def _block_numbers(block: BlockSpec, scene: Scene) -> Lines:
 
 def _outline(block: BlockSpec, shape: Block) -> Lines:
     """What a shape is made of, or the feet of a box; nothing of other boxes."""
-    solid, spec = shape.solid, block.shape_of
+    solid, spec = shape.solid, block.given_shape
     if solid is None:
         return []
     if spec is None:
         low, high = shape.base or (0.0, 0.0)
+        if block.container is not None:
+            model = "" if block.scale == 1.0 else f" at a scale of {block.scale:g}"
+            return [("  container", f"{block.container}{model}, on its corner castings")]
         tall = f"{shape.height:g} m high with them, {high - low:g} m over their outer edges"
-        return [("  feet", f"{len(solid.parts) - 1}: {tall} along x")]
+        return [("  feet", f"{shape.feet}: {tall} along x")]
     flat, count = solid.dimension == 2, len(solid.parts)
     facets = sum(len(part.faces) for part in solid.parts)
     parts = "convex" if count == 1 else f"{count} convex parts"
@@ -210,7 +213,7 @@ def damping_of_block(block: BlockSpec, scene: Scene) -> Lines:
         return [("  damping", "none")]
     frequency = scene.bending_frequency(block)
     ratio = f"{100 * damping.ratio(frequency):.2g} % of critical"
-    whose = "its first" if block.shape_of is None else "of the box around it the first"
+    whose = "its first" if block.given_shape is None else "of the box around it the first"
     mode = f"{frequency / (2 * math.pi):.3g} Hz, {whose} bending mode, held at its base"
     return [("  damping", f"{', '.join(given)}: {ratio} at {mode}")]
 

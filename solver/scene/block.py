@@ -22,6 +22,7 @@ from solver.scene.cells import (
 )
 from solver.scene.checking import OPEN, Checked, exactly_one, is_open, shown
 from solver.scene.contact import FrictionSpec
+from solver.scene.container import ContainerName, Load, castings, mass_of, sizes_of
 from solver.scene.damping import (
     DEFAULT_RATIO,
     DampingSpec,
@@ -30,7 +31,14 @@ from solver.scene.damping import (
     sliding_ratio,
     stiffness_damping,
 )
-from solver.scene.feet import Box, EvenFeetSpec, FootSpec, block_on_feet, single_feet
+from solver.scene.feet import (
+    Box,
+    EvenFeetSpec,
+    FootSpec,
+    block_between_feet,
+    block_on_feet,
+    single_feet,
+)
 from solver.scene.mass import (
     PartSpec,
     inertia_tensor,
@@ -84,14 +92,22 @@ class BlockSpec(Checked):
     on: str | tuple[str, ...] = OPEN
     """Its carrier: `"foundation"` or the name of another block; or an array of
     [several](#several-supports), whose tops are level. Default: `"foundation"`."""
-    shape_of: ShapeSpec | None = field(default=None, metadata={"key": "shape"})
+    given_shape: ShapeSpec | None = field(default=None, metadata={"key": "shape"})
     """What it is where it is no box; see [shapes](#shapes). Convex where it is elastic or something
     else is meshed. Default: a box."""
     feet: EvenFeetSpec | tuple[FootSpec, ...] | None = None
     """Pads below the box, which adds their height; see [feet](#feet). Rigid blocks only. Default:
     none."""
+    container: ContainerName | None = None
+    """A freight container on its corner castings, its width along x; see [containers](#containers).
+    Rigid blocks only. Default: none."""
+    load: Load | None = None
+    """Of a container: its mass in place of `mass`. Default: this or `mass`."""
+    scale: Annotated[float, Number(above=0, powers=(0.0, 1.0))] = OPEN
+    """Of a container: its lengths over the true ones, for a model. Default: 1."""
     width: Length = OPEN
-    """B, along x, m. Default: required; of a [shape](#shapes) most follow from it."""
+    """B, along x, m. Default: required; of a [shape](#shapes) most follow from it,
+    of a container all."""
     height: Length = OPEN
     """H, m. Default: as `width`."""
     thickness: Length = OPEN
@@ -169,8 +185,35 @@ class BlockSpec(Checked):
         for key, value in defaults.items():
             if self.position is None and is_open(getattr(self, key)):
                 yield key, value
-        if is_open(self.thickness) and (self.shape_of is None or not self.shape_of.is_round):
+        if self.container is not None:
+            yield from self._of_container(self.container)
+        elif is_open(self.thickness) and (
+            self.given_shape is None or not self.given_shape.is_round
+        ):
             yield "thickness", 1.0
+
+    def _of_container(self, name: ContainerName) -> Iterator[tuple[str, Any]]:
+        """Scale, lengths and mass of a container; a load stands for its mass."""
+        scale = 1.0 if is_open(self.scale) else self.scale
+        yield "scale", scale
+        for key, value in sizes_of(name, scale).items():
+            self._refuse_other(key, value, "the container")
+            yield key, value
+        if self.load is None:
+            return
+        for key in ("mass", "density", "parts"):
+            if getattr(self, key) not in (None, ()):
+                raise SceneError("load", f"both load and {key}", "one of them")
+        if scale != 1.0:
+            raise Statement("load", f"is that of scale 1: give a model of scale {scale:g} its mass")
+        yield "mass", mass_of(name, self.load)
+        yield "load", None
+
+    def _refuse_other(self, key: str, value: float, of: str) -> None:
+        """Refuse a length that is given, and is not the one that follows."""
+        given = getattr(self, key)
+        if not is_open(given) and abs(given - value) > 1e-9 * value:
+            raise SceneError(key, shown(given), f"that of {of}, {value:.10g}, or nothing")
 
     def check(self) -> None:
         """Refuse values that do not go together."""
@@ -187,7 +230,8 @@ class BlockSpec(Checked):
 
     def _check_lengths(self) -> None:
         """Refuse a block without its lengths, and what does not go with a shape."""
-        shape = self.shape_of
+        shape = self.given_shape
+        self._check_container()
         if self.feet == ():
             raise SceneError("feet", "none", "a table for all, or an array of one table each")
         if self.feet is not None and self.model != "rigid":
@@ -212,6 +256,21 @@ class BlockSpec(Checked):
             raise Statement("parts", "are for boxes; a shape has them as shape.union")
         if self.centre_of_mass is not None and self.inertia is None:
             raise missing_key("inertia", "beside the centre_of_mass of a shape")
+
+    def _check_container(self) -> None:
+        """Refuse a container that is something else, too, and its keys without one."""
+        if self.container is None:
+            for key in ("load", "scale"):
+                if getattr(self, key) is not None:
+                    raise not_applicable(key, "containers only")
+            return
+        if self.model != "rigid":
+            raise not_applicable("container", f"blocks with {RIGID_MODEL} only")
+        for key, other in (("shape", self.given_shape), ("feet", self.feet)):
+            if other is not None:
+                raise SceneError(key, f"both container and {key}", "one of them")
+        if not self.parts and self.mass is self.density is None:
+            raise missing_key("load", '(of a container, "empty" or "full"; or its mass)')
 
     def _check_mass(self) -> None:
         """Refuse a mass that is not given, or given twice."""
@@ -288,12 +347,12 @@ class BlockSpec(Checked):
 
     def _cells_in(self, dimension: Dimension) -> dict[str, Any]:
         """Number and shape of the cells of a box; their size in a shape, if that is elastic."""
-        if self.shape_of is None:
+        if self.given_shape is None:
             cells = cells_of(self, dimension, DEFAULT_CELLS[dimension])
             return {"cells": cells, "cell": cell_of(self, dimension)}
         if self.model == "rigid":
             return {}
-        solid = solid_of(self.shape_of, self._shape_sizes, dimension)
+        solid = solid_of(self.given_shape, self._shape_sizes, dimension)
         if not solid.is_convex:
             said = "is not convex, and only convex shapes are meshed"
             raise Statement("shape", f"{said}: give the block {RIGID_MODEL}, and mesh nothing else")
@@ -306,23 +365,23 @@ class BlockSpec(Checked):
 
     def _lengths_in(self, dimension: Dimension) -> dict[str, Any]:
         """Width, height and thickness of a shape, which may stand there but not otherwise."""
-        if self.shape_of is None:
+        if self.given_shape is None:
             return {}
-        self.shape_of.in_dimension(dimension)
-        solid = solid_of(self.shape_of, self._shape_sizes, dimension)
+        self.given_shape.in_dimension(dimension)
+        solid = solid_of(self.given_shape, self._shape_sizes, dimension)
         x, *y, z = map(float, solid.high - solid.low)
         found: dict[str, Any] = {"width": x, "height": z}
-        if self.shape_of.kind == "regular":  # whose width is that of its circle
+        if self.given_shape.kind == "regular":  # whose width is that of its circle
             found["width"] = self.width
         found["thickness"] = y[0] if y else solid.thickness
         for key, value in found.items():
-            given = getattr(self, key)
-            if not is_open(given) and abs(given - value) > 1e-9 * value:
-                raise SceneError(key, shown(given), f"that of the shape, {value:.10g}, or nothing")
+            self._refuse_other(key, value, "the shape")
         return found
 
     def _feet_in(self, dimension: Dimension) -> tuple[FootSpec, ...]:
         """All feet, each for itself; SceneError where they are not below the box."""
+        if self.container is not None:
+            return castings(self.container, self.scale, dimension)
         if self.feet is None:
             return ()
         return single_feet(self.feet, Box(self.width, self.height, self.thickness), dimension)
@@ -330,8 +389,8 @@ class BlockSpec(Checked):
     @property
     def _shape_sizes(self) -> Sizes:
         """What the keys of the block say of its shape."""
-        width = self.width if self.shape_of and self.shape_of.kind == "regular" else None
-        height = self.height if self.shape_of and self.shape_of.kind == "cylinder" else None
+        width = self.width if self.given_shape and self.given_shape.kind == "regular" else None
+        height = self.height if self.given_shape and self.given_shape.kind == "cylinder" else None
         return Sizes(width, height, self.thickness or 1.0, self.density or 1.0)
 
     def _velocity_in(self, dimension: Dimension) -> Vector:
@@ -370,15 +429,17 @@ class BlockSpec(Checked):
     def shape(self) -> Block:
         """The block as a geometric body with its mass."""
         dimension: Dimension = 2 if len(self.velocity) == 2 else 3
-        box = self._body(dimension)
-        return block_on_feet(box, self._feet_in(dimension), dimension) if self.feet else box
+        box, feet = self._body(dimension), self._feet_in(dimension)
+        if self.container is not None:  # whose height is that over its castings
+            return block_between_feet(box, feet, dimension)
+        return block_on_feet(box, feet, dimension) if feet else box
 
     def _body(self, dimension: Dimension) -> Block:
-        """The block without its feet."""
-        if self.shape_of is not None:
+        """The block without its feet; a container as the box around it."""
+        if self.given_shape is not None:
             tensor = None if self.inertia is None else inertia_tensor(self.inertia)
             given = Given(self.mass, self._centre_in_space(), tensor)
-            return block_of(self.shape_of, self._shape_sizes, dimension, given)
+            return block_of(self.given_shape, self._shape_sizes, dimension, given)
         lengths = self.width, self.height, self.thickness
         size: dict[str, Any] = dict(zip(("width", "height", "thickness"), lengths, strict=True))
         volume = math.prod(lengths)
@@ -470,7 +531,7 @@ class BlockSpec(Checked):
         """The size of its mesh, or that there is none."""
         if self.model == "rigid":
             return f"none: rigid, {3 if dimension == 2 else 6} unknowns"
-        if self.shape_of is None:
+        if self.given_shape is None:
             return box_mesh_size(self, dimension)
         cells, nodes = self._simplices(dimension)
         kind: Cell = "triangle" if dimension == 2 else "tetrahedron"
@@ -479,11 +540,11 @@ class BlockSpec(Checked):
 
     def nodes(self, dimension: Dimension) -> int:
         """Number of the nodes of its mesh, if it is elastic; of a shape about that."""
-        return box_nodes(self) if self.shape_of is None else self._simplices(dimension)[1]
+        return box_nodes(self) if self.given_shape is None else self._simplices(dimension)[1]
 
     def nodes_below(self) -> int:
         """Number of the nodes of its bottom, if it is elastic; of a shape about that."""
-        if self.shape_of is None:
+        if self.given_shape is None:
             return math.prod(self.degree * count + 1 for count in self.cells[:-1])
         flat = len(self.velocity) - 1
         across = self.thickness if flat == 1 else 1.0
@@ -491,8 +552,8 @@ class BlockSpec(Checked):
 
     def _simplices(self, dimension: Dimension) -> tuple[int, int]:
         """About how many cells and nodes there are of an elastic shape."""
-        assert self.shape_of is not None
-        (part,) = solid_of(self.shape_of, self._shape_sizes, dimension).parts
+        assert self.given_shape is not None
+        (part,) = solid_of(self.given_shape, self._shape_sizes, dimension).parts
         outside = sum(map(part.area, range(len(part.faces))))
         return simplices(part.moments.volume, outside, self.cell_size, self.degree, dimension)
 

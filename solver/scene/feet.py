@@ -1,10 +1,11 @@
-"""Feet of blocks: pads below a box, with nothing but their tops and their bottoms in the scene."""
+"""Feet of blocks: pads below a box, and above it, with nothing but their ends in the scene."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
 from geometry.block import Block
 from solver.errors import SceneError, Statement
@@ -15,18 +16,26 @@ if TYPE_CHECKING:
     from geometry.solid import Solid
 
 Plan: TypeAlias = tuple[Place] | tuple[Place, Place]
+Sides: TypeAlias = Length | tuple[Length, Length]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FootSpec(Checked):
-    """One foot: a pad below the box, without mass."""
+    """One foot: a pad below or above the box, without mass."""
 
     at: Plan
     """Its middle from that of the box, `[x]`, in 3-D `[x, y]`, m."""
-    size: Length
-    """Its width along x, in 3-D along y, too, m."""
+    size: Sides
+    """Its width along x, in 3-D along y, too, or `[a, b]` along x and y, m."""
     height: Length
-    """Of its bottom below the box, m; the box stands on the longest ones."""
+    """Of its end below the box, or above it, m; the box stands on the longest ones."""
+    face: Literal["bottom", "top"] = "bottom"
+    """Face of the box that it is on; those on top carry what stands on the block."""
+
+    @property
+    def sides(self) -> tuple[float, float]:
+        """Its widths along x and y, m."""
+        return self.size if isinstance(self.size, tuple) else (self.size, self.size)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,14 +44,17 @@ class EvenFeetSpec(Checked):
 
     inset: NotNegativeLength = 0.0
     """Distance of their outer edges from the sides of the box, m."""
-    size: Length
-    """Width of each along x, in 3-D along y, too, m."""
+    size: Sides
+    """Width of each along x, in 3-D along y, too, or `[a, b]` along x and y, m."""
     height: Length
     """Of their bottoms below the box, m."""
+    top: Length | None = None
+    """Of the tops of four more above the box, which carry what stands on the block, m. Default:
+    none."""
 
 
 class Box(NamedTuple):
-    """The block above its feet."""
+    """The block between its feet."""
 
     width: float
     """B, m."""
@@ -62,65 +74,123 @@ def single_feet(
     """
     sides = (box.width, box.thickness)[: dimension - 1]
     if isinstance(feet, EvenFeetSpec):
-        reach = [side / 2 - feet.inset - feet.size / 2 for side in sides]
-        if min(reach) < feet.size / 2:
-            said = f"do not fit below the box: {feet.size:g} m wide, inset by {feet.inset:g} m"
+        _refuse_pair(feet.size, "feet.size", dimension)
+        size = feet.size if isinstance(feet.size, tuple) else (feet.size, feet.size)
+        reach = [side / 2 - feet.inset - own / 2 for side, own in zip(sides, size, strict=False)]
+        if any(far < own / 2 for far, own in zip(reach, size, strict=False)):
+            wide = " x ".join(f"{own:g}" for own in dict.fromkeys(size))
+            said = f"do not fit below the box: {wide} m wide, inset by {feet.inset:g} m"
             raise Statement("feet", said)
         plans: list[Plan] = [(-reach[0],), (reach[0],)]
         if dimension == 3:
             x, y = reach
             plans = [(-x, -y), (x, -y), (x, y), (-x, y)]
-        return tuple(FootSpec(at=at, size=feet.size, height=feet.height) for at in plans)
+        found = [FootSpec(at=at, size=feet.size, height=feet.height) for at in plans]
+        if feet.top is not None:
+            found += [replace(foot, height=feet.top, face="top") for foot in found]
+        return tuple(found)
     for number, foot in enumerate(feet, start=1):
         if len(foot.at) != dimension - 1:
             allowed = f"{'1 value' if dimension == 2 else '2 values'} where dimension = {dimension}"
             raise SceneError(f"feet.{number}.at", shown(foot.at), allowed)
-        for place, side in zip(foot.at, sides, strict=True):
-            if abs(place) + foot.size / 2 > side / 2 * (1 + 1e-9):
+        _refuse_pair(foot.size, f"feet.{number}.size", dimension)
+        for place, side, own in zip(foot.at, sides, foot.sides, strict=False):
+            if abs(place) + own / 2 > side / 2 * (1 + 1e-9):
                 raise Statement(f"feet.{number}", "reaches beyond the box: move it (at), or size")
         for k, other in enumerate(feet[: number - 1], start=1):
-            apart = max(abs(a - b) for a, b in zip(foot.at, other.at, strict=True))
-            if apart < (foot.size + other.size) / 2 * (1 - 1e-9):
+            if foot.face == other.face and _overlap(foot, other):
                 raise Statement(f"feet.{number}", f"is in foot {k}: move it (at), or size")
     return feet
 
 
+def _refuse_pair(size: Sides, where: str, dimension: Dimension) -> None:
+    """Refuse two widths in the plane, where there is one."""
+    if dimension == 2 and isinstance(size, tuple):
+        raise SceneError(where, shown(size), "1 value where dimension = 2")
+
+
+def _overlap(foot: FootSpec, other: FootSpec) -> bool:
+    """True if two feet on one face have some of it in common."""
+    along = zip(foot.at, other.at, foot.sides, other.sides, strict=False)
+    return all(abs(a - b) < (own + its) / 2 * (1 - 1e-9) for a, b, own, its in along)
+
+
 @lru_cache(maxsize=256)
-def block_on_feet(block: Block, feet: tuple[FootSpec, ...], dimension: Dimension) -> Block:
-    """A box with feet below it; mass and inertia are those of the box."""
+def block_on_feet(box: Block, feet: tuple[FootSpec, ...], dimension: Dimension) -> Block:
+    """A box with feet outside of it; mass and inertia are those of the box."""
+    low, high = _longest(feet, "bottom"), _longest(feet, "top")
+    x, y, z = box.centre_of_mass(3)
+    height = low + box.height + high
+    around = Block(
+        width=box.width,
+        height=height,
+        thickness=box.thickness,
+        density=box.density * box.height / height,
+        centre=(x, y, z + low),
+        inertia=box.inertia_tensor,
+        walls=(low, low + box.height),
+    )
+    return block_between_feet(around, feet, dimension)
+
+
+@lru_cache(maxsize=256)
+def block_between_feet(whole: Block, feet: tuple[FootSpec, ...], dimension: Dimension) -> Block:
+    """A block whose lowest and highest parts are feet, which are within its height.
+
+    Args:
+        whole: The box from the ends of the lower feet to those of the upper ones; mass, centre of
+            mass, inertia, and the walls on which a pressure acts, are as it has them.
+        feet: All of them.
+        dimension: Of the scene.
+    """
     from geometry import solid as solids
 
-    longest = max(foot.height for foot in feet)
-    half, deep = block.width / 2, block.thickness
-    ring = [(-half, longest), (half, longest)]
-    ring += [(x, longest + block.height) for x, _ in reversed(ring)]
-    body = solids.polygon(ring, block.density, deep)
-    parts = [body if dimension == 2 else solids.prism(body, deep)]
-    parts += [_pad(foot, longest, dimension, block) for foot in feet]
-    bottom = tuple(tuple(map(float, corner)) for pad in parts[1:] for corner in pad.bottom)
-    ends = [corner[0] for corner in bottom]
-    x, y, z = block.centre_of_mass(3)
-    return Block(
-        width=block.width,
-        height=block.height + longest,
-        thickness=block.thickness,
-        density=block.mass / solids.union(parts).volume,
-        centre=(x, y, z + longest),
-        inertia=block.inertia_tensor,
-        base=(min(ends), max(ends)),
-        solid=solids.union(parts),
-        bottom=bottom,
-        feet=len(feet),
+    ends = _longest(feet, "bottom"), whole.height - _longest(feet, "top")
+    body = _prism((0.0, 0.0), (whole.width, whole.thickness), ends, whole.thickness, dimension)
+    above = [_pad(foot, ends, whole.thickness, dimension) for foot in feet if foot.face == "top"]
+    below = [_pad(foot, ends, whole.thickness, dimension) for foot in feet if foot.face != "top"]
+    solid = solids.union([body, *above, *below])
+    bottom = [tuple(map(float, corner)) for pad in below or [body] for corner in pad.bottom]
+    along = [corner[0] for corner in bottom]
+    x, y, z = whole.centre_of_mass(3)
+    return replace(
+        whole,
+        density=whole.mass / solid.volume,
+        centre=(x, y, z),
+        inertia=whole.inertia_tensor,
+        base=(min(along), max(along)),
+        solid=solid,
+        bottom=tuple(bottom),
+        feet=len(below),
     )
 
 
-def _pad(foot: FootSpec, longest: float, dimension: Dimension, block: Block) -> Solid:
-    """A foot as a body below its box, whose bottom is where the longest foot lets it be."""
+def _longest(feet: Sequence[FootSpec], face: str) -> float:
+    """Height of the longest foot on a face, m; 0 if there is none."""
+    return max((foot.height for foot in feet if foot.face == face), default=0.0)
+
+
+def _pad(foot: FootSpec, ends: tuple[float, float], deep: float, dimension: Dimension) -> Solid:
+    """A foot as a body below a box, or above it, whose levels are given, m."""
+    low, high = ends
+    levels = (high, high + foot.height) if foot.face == "top" else (low - foot.height, low)
+    x, y = (*foot.at, 0.0)[:2]
+    return _prism((x, y), foot.sides, levels, deep, dimension)
+
+
+def _prism(
+    middle: tuple[float, float],
+    sides: tuple[float, float],
+    levels: tuple[float, float],
+    deep: float,
+    dimension: Dimension,
+) -> Solid:
+    """A box between two levels, in the plane as deep as its scene, m."""
     from geometry import solid as solids
 
-    half, low = foot.size / 2, longest - foot.height
-    ring = [(-half, low), (half, low), (half, longest), (-half, longest)]
-    flat = solids.polygon(ring, 1.0, block.thickness)
+    half, (low, high) = sides[0] / 2, levels
+    ring = [(-half, low), (half, low), (half, high), (-half, high)]
+    flat = solids.polygon(ring, 1.0, deep)
     if dimension == 2:
-        return flat.moved((foot.at[0], 0.0))
-    return solids.prism(flat, foot.size).moved((*foot.at, 0.0))
+        return flat.moved((middle[0], 0.0))
+    return solids.prism(flat, sides[1]).moved((*middle, 0.0))

@@ -188,7 +188,7 @@ def _least_density(block: BlockSpec, dimension: Dimension) -> float:
 
 def refuse_long(block: BlockSpec, dimension: Dimension) -> None:
     """Refuse a block whose corner cells are far longer than wide: those of shapes are not."""
-    if block.shape_of is not None:
+    if block.given_shape is not None:
         return
     cell = corner_cell(block, dimension)
     times = max(cell) / min(cell)
@@ -223,7 +223,7 @@ def corner_cell(block: BlockSpec, dimension: Dimension) -> list[float]:
 
     Those of a shape are alike: by its `cell_size`, or the shortest of its edges.
     """
-    if block.shape_of is not None:
+    if block.given_shape is not None:
         return [min(block.cell_size, block.shape.shortest_edge)] * dimension
     across = (block.thickness,) if dimension == 3 else ()
     sides = (block.width, *across, block.height)

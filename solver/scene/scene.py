@@ -172,7 +172,7 @@ class Scene(Checked):
                 _refuse_unknown("on", force.on, names)
                 force.refuse_elsewhere(self.dimension)
                 pressed = next(block for block in self.blocks if block.name == force.on)
-                if force.pressure is not None and pressed.shape_of is not None:
+                if force.pressure is not None and pressed.given_shape is not None:
                     raise not_applicable("pressure", f"boxes; {force.on} has a shape: give force")
 
     def _thickness(self) -> float:
@@ -212,8 +212,9 @@ class Scene(Checked):
         if not self.is_rigid:
             self._refuse_unmeshed()
             for block in self.blocks:
-                if block.feet is not None:
-                    raise not_applicable(f"{block.name}.feet", UNMESHED)
+                for key in ("feet", "container"):
+                    if getattr(block, key) is not None:
+                        raise not_applicable(f"{block.name}.{key}", UNMESHED)
                 if block.shape.solid is not None and not block.shape.solid.is_convex:
                     said = "is not convex, and something is meshed, which meets convex shapes only"
                     raise Statement(f"{block.name}.shape", f"{said}; allowed is {RIGID}")
@@ -238,7 +239,7 @@ class Scene(Checked):
 
     def _check_degree(self, block: BlockSpec) -> None:
         """Refuse quadratic tetrahedra with nodes: no rule has positive weights at the vertices."""
-        is_shape = block.shape_of is not None and self.dimension == 3
+        is_shape = block.given_shape is not None and self.dimension == 3
         tetrahedra = block.model == "elastic" and (is_shape or block.cell == "tetrahedron")
         if tetrahedra and block.degree == 2 and self.contact.points == "nodes":
             allowed = '1 for tetrahedra, or contact.points = "gauss"'

@@ -157,7 +157,7 @@ def test_there_is_an_example_of_each() -> None:
     }
     assert {scene.dimension for scene in scenes} == {2, 3}
     assert max(len(scene.blocks) for scene in scenes) == 4
-    assert len(scenes) == 6 and len(examples(README)) == 1
+    assert len(scenes) == 7 and len(examples(README)) == 1
     # nothing that looks like TOML is left unread
     for line in PAGE.read_text(encoding="utf-8").splitlines():
         assert not line.startswith("```")

@@ -56,7 +56,7 @@ def test_what_does_not_go_together_is_refused(block: dict[str, Any], said: str) 
 def test_rigid_shapes_beside_a_mesh_are_convex() -> None:
     elastic = {"name": "elastic", "width": 1.0, "height": 0.2}
     rigid = {"name": "other", "model": "rigid", "on": "elastic"}
-    assert scene(elastic, rigid | {"shape": WEDGE}).blocks[1].shape_of is not None
+    assert scene(elastic, rigid | {"shape": WEDGE}).blocks[1].given_shape is not None
     with pytest.raises(SceneError, match=r"^other\.shape is not convex, and something is meshed"):
         scene(elastic, rigid | {"shape": ELL})
     feet = {"width": 1.0, "height": 1.0, "feet": {"inset": 0.1, "size": 0.1, "height": 0.1}}

@@ -302,6 +302,16 @@ force = [100.0, 0.0]
 end = 1.0
 step = 1e-3
 """,
+    "a container": """
+[[block]]
+name = "box"
+model = "rigid"
+container = "20ft"
+load = "empty"
+[time]
+end = 1.0
+step = 1e-3
+""",
 }
 """The scenes of headings of the table that end with these words; else that of a meshed block."""
 SHORT = {
@@ -337,6 +347,10 @@ def test_missing_keys_and_tables():
     assert line == "block.width is required (width > 0)"
     assert refusal(text=TEXT.replace("mass = 503.0", "")).startswith(
         "block.mass is required (exactly one of mass and"
+    )
+    empty = BASES["a container"].replace('load = "empty"', "")
+    assert refusal(text=empty) == (
+        'box.load is required (of a container, "empty" or "full"; or its mass)'
     )
     assert refusal(text=TEXT.partition("[time]")[0]) == "time is required (a table)"
     assert refusal(text="[time]\nend = 1\nstep = 1").startswith("block is required (an ar")

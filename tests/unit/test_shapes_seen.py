@@ -35,6 +35,7 @@ SHAPES = {
         "width = 0.9\nthickness = 0.5\nheight = 1.2\n"
         "feet = { inset = 0.02, size = 0.06, height = 0.1 }",
     ),
+    "container": (3, "container = '40ft high cube'"),
 }
 
 
@@ -143,6 +144,10 @@ def test_check_tells_of_shapes() -> None:
     assert lines_of("bottle")["round"] == "48 facets, within the circle by at most 0.428 mm"
     feet = "4: 1.3 m high with them, 0.86 m over their outer edges along x"
     assert lines_of("feet")["feet"] == feet
+    told = lines_of("container")
+    assert told["block"] == "2.438 x 2.896 x 12.192 m, released from 8 degrees"
+    assert told["container"] == "40ft high cube, on its corner castings"
+    assert told["uplift at"] == "0.8419 g" and told["restitution"].startswith("0.3779")
     told = lines_of("file")
     assert told["shape"].startswith("file: convex, ")
     assert told["surface"].startswith("3648 triangles; contacts see its convex hull, 6")

@@ -28,7 +28,7 @@ def gallery() -> ModuleType:
 
 def test_every_scene_is_on_the_page(gallery: ModuleType) -> None:
     scenes = {file.stem for file in (ROOT / "demos" / "gallery").glob("*.toml")}
-    assert scenes == set(gallery.SCENES) and len(scenes) == 12
+    assert scenes == set(gallery.SCENES) and len(scenes) == 13
     assert PAGE.startswith(gallery.HEAD)
     for name in scenes:
         scene = load_scene(ROOT / "demos" / "gallery" / f"{name}.toml")
@@ -38,12 +38,12 @@ def test_every_scene_is_on_the_page(gallery: ModuleType) -> None:
 
 def test_pictures_are_small() -> None:
     pictures = list((ROOT / "docs" / "pictures").glob("gallery_*.png"))
-    assert len(pictures) == 12
+    assert len(pictures) == 13
     assert sum(file.stat().st_size for file in pictures) < 1.0e6
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["triangle", "hexagon", "table", "statue"])
+@pytest.mark.parametrize("name", ["triangle", "hexagon", "table", "statue", "containers"])
 def test_the_script_runs(
     gallery: ModuleType, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

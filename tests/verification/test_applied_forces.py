@@ -14,7 +14,7 @@ from rockslip import SceneError, parse_scene, simulate
 
 SLENDER = {"model": "rigid", "width": 0.5, "height": 2.0, "thickness": 0.5, "mass": 500.0}
 WEIGHT = 500.0 * G
-CONTAINER = {"model": "rigid", "width": 2.438, "height": 2.591, "thickness": 6.058, "mass": 2300.0}
+CONTAINER = {"model": "rigid", "container": "20ft", "load": "empty"}
 
 
 def push(d: int, along: float, up: float, **more: Any) -> dict[str, Any]:

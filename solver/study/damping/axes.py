@@ -157,7 +157,7 @@ def _put_mesh(tables: Tables, scene: Scene, block: BlockSpec, value: float) -> N
     if not value > 0:
         raise SceneError("--of mesh", shown(value), "factors > 0")
     for spec in scene.blocks:
-        if spec.model == "elastic" and spec.shape_of is not None:
+        if spec.model == "elastic" and spec.given_shape is not None:
             table_of(tables, spec)["cell_size"] = spec.cell_size / value
         elif spec.model == "elastic":
             table_of(tables, spec)["cells"] = [_times(value, count) for count in spec.cells]
@@ -223,7 +223,7 @@ def _put_floor(tables: Tables, scene: Scene, block: BlockSpec, value: float) -> 
     base = standing[0]
     if base.model == "rigid":
         raise not_applicable("--of floor", "floors under a meshed block")
-    if base.shape_of is not None:
+    if base.given_shape is not None:
         raise not_applicable("--of floor", "floors under a box")
     *along, _ = base.cells
     sides = [4 * base.width + 2 * abs(base.offset)]
