@@ -114,6 +114,7 @@ def test_rigid_blocks_and_the_equation_have_one_distribution(tmp_path: Path) -> 
     one as in the other (McNemar's test, two standard deviations).
     """
     words = ["--count", "24", "--levels", "0.5", "--engines", "rigid,ode"]
+    words += ["--set", "time.step=1e-3"]
     assert study(tmp_path / "out", *words) == 0
     (apart,) = json.loads((tmp_path / "out" / "summary.json").read_text())["distances"]
     assert apart["angle"] < 0.15
