@@ -25,10 +25,10 @@ import json
 import math
 import shutil
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing, suppress
 from pathlib import Path
-from typing import Any, ClassVar, Generic, Protocol, Self, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, Self, TypeVar
 
 from solver import VERSION
 from solver.errors import NotConverged, SceneError
@@ -39,6 +39,9 @@ from solver.scene.checking import nearest, shown
 from solver.scene.reader import differing
 from solver.study.pool import finished_cases, reason_of
 from solver.study.tables import write
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 SETTINGS, CASES, SUMMARY = "settings.json", "cases", "summary.json"
 
@@ -127,6 +130,12 @@ class Study(ABC, Generic[Case]):
         return len(self.completed) == len(self.cases)
 
     # ------------------------------------------------------------ the same for all
+
+    def draw(self, name: str, picture: Callable[..., Figure], *told: Any) -> None:
+        """Draw a picture of what it is told, into a file of that name."""
+        from solver.pictures.style import save
+
+        save(lambda: picture(*told), self.folder / name)
 
     @classmethod
     def run(cls, options: argparse.Namespace) -> int:

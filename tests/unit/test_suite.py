@@ -117,6 +117,7 @@ def test_all_motions_with_all_values(here: Path, capsys: Captured) -> None:
     strong = rows["strong", "0.1"]
     assert strong["block.mode"] == "slide"
     assert strong["block.peak_displacement_m"] == strong["block.peak_slip_m"]  # nothing flew
+    assert (here / "out" / "suite.png").stat().st_size > 10_000
     _is_a_single_run(here, rows["strong", "0.1"])
     _says_it_all(here, capsys.readouterr().out)
     _resumes(here, rows, words)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -20,7 +19,6 @@ from solver.pictures.style import (
     colour,
     legend_above,
     new_figure,
-    save,
     zero_line,
 )
 from solver.study.damping.axes import Axis
@@ -46,22 +44,14 @@ Angles = tuple[Array, Array]
 """Times (s) and angles (rad)."""
 
 
-def restitution_picture(
-    lines: Sequence[Line], own: Restitution | None, at: Axis | None, file: Path
-) -> Path:
-    """Draw restitution against each axis; returns the file.
+def restitution_picture(lines: Sequence[Line], own: Restitution | None, at: Axis | None) -> Figure:
+    """Restitution against each axis, a panel for each.
 
     Args:
         lines: What was measured.
         own: Restitution of the scene as it is.
         at: The axis that all is repeated for.
-        file: To be written.
     """
-    return save(lambda: _restitutions(lines, own, at), file)
-
-
-def _restitutions(lines: Sequence[Line], own: Restitution | None, at: Axis | None) -> Figure:
-    """A panel for each axis."""
     names = list(dict.fromkeys(line.axis.name for line in lines))
     columns = 1 if len(names) == 1 else 2
     rows = math.ceil(len(names) / columns)
@@ -150,18 +140,8 @@ class _Places:
             axes.set_xlim(low, high)
 
 
-def history_picture(curves: Mapping[str, Angles], file: Path) -> Path:
-    """Draw angles against time; returns the file.
-
-    Args:
-        curves: Angles of runs, by label.
-        file: To be written.
-    """
-    return save(lambda: _histories(curves), file)
-
-
-def _histories(curves: Mapping[str, Angles]) -> Figure:
-    """All curves in one panel."""
+def history_picture(curves: Mapping[str, Angles]) -> Figure:
+    """The angles of runs against time, by their labels, in one panel."""
     figure = new_figure(3.2)
     axes = figure.subplots()
     for number, (label, (time, angle)) in enumerate(distinct_curves(curves).items()):
@@ -181,23 +161,15 @@ def distinct_curves(curves: Mapping[str, Angles]) -> dict[str, Angles]:
     return {name: curves[name] for name in names}
 
 
-def calibration_picture(
-    search: Search, target: Target, label: str, best: Angles | None, file: Path
-) -> Path:
-    """Draw a calibration; returns the file.
+def calibration_picture(search: Search, target: Target, label: str, best: Angles | None) -> Figure:
+    """A calibration: one panel, or two with a measured history.
 
     Args:
         search: Its runs.
         target: What they are compared with.
         label: Name and unit of the parameter.
         best: The angle of the best run, beside a measured history; None: no panel of it.
-        file: To be written.
     """
-    return save(lambda: _figure(search, target, label, best), file)
-
-
-def _figure(search: Search, target: Target, label: str, best: Angles | None) -> Figure:
-    """One panel, or two with a measured history."""
     both = target.history is not None and best is not None
     figure = new_figure(5.4 if both else 3.0)
     panels = figure.subplots(2 if both else 1, 1, squeeze=False)[:, 0]

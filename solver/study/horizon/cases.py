@@ -143,7 +143,7 @@ class HorizonStudy(Study[HorizonCase]):
         write(self.folder / "horizon.csv", as_csv(twins, NAMES))
         write(self.folder / "horizon.txt", text)
         write(self.folder / SUMMARY, {"twins": twins, "runs": rates})
-        horizon_picture(done, self.folder / "horizon.png")
+        self.draw("horizon.png", horizon_picture, done)
         return text
 
 

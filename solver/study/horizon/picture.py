@@ -3,24 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from solver.pictures.style import DASHES, GREY, colour, legend_above, new_figure, save
+from solver.pictures.style import DASHES, GREY, colour, legend_above, new_figure
 
 LEAST = 1e-14
 """Smallest difference that is drawn, over alpha."""
 
 
-def horizon_picture(rows: Sequence[Mapping[str, Any]], file: Path) -> Path:
-    """Draw a panel for each run; returns the file."""
-    return save(lambda: _drawn(rows), file)
-
-
-def _drawn(rows: Sequence[Mapping[str, Any]]) -> Figure:
+def horizon_picture(rows: Sequence[Mapping[str, Any]]) -> Figure:
+    """A panel for each run."""
     figure = new_figure(2.3 * len(rows) + 0.5)
     panels = figure.subplots(len(rows), 1, squeeze=False, sharex=True, sharey=True)[:, 0]
     for axes, row in zip(panels, rows, strict=True):

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,7 @@ from solver.pictures.html import (
     table,
     verbatim,
 )
+from solver.pictures.style import save
 from solver.study.inertia.numbers import (
     CODE_VALUES,
     SLIDING,
@@ -183,18 +185,18 @@ def _pictures(folder: Path, lines: Sequence[Line], findings: Sequence[Finding]) 
         at = "".join(f", {name} {value:g}" for name, value in values)
         cut = [_without(finding, len(values)) for finding in group]
         text = f"λ with its interval of 90 %; dashed: values of codes{at}"
-        label, file = "portion of live load λ", folder / f"lambda{ending}.png"
-        made.append((text, curves_picture(cut, of_lambda, label, file)))
+        curves = partial(curves_picture, cut, of_lambda, "portion of live load λ")
+        made.append((text, save(curves, folder / f"lambda{ending}.png")))
         for by in dict.fromkeys(f.by for f in cut if len(f.cell.values) > 1):
             own = [finding for finding in cut if finding.by == by]
             file = folder / f"map{ending}_{by.replace(' ', '_')}.png"
-            made.append((f"λ and half its interval of 90 %, {by}{at}", map_picture(own, file)))
-        label = "base shear / that of the fixed live load"
+            text = f"λ and half its interval of 90 %, {by}{at}"
+            made.append((text, save(partial(map_picture, own), file)))
         text = f"Mean peak base shear over that with the whole live load fixed; this is not λ{at}"
-        file = folder / f"base_shear{ending}.png"
-        made.append((text, curves_picture(cut, of_shear, label, file)))
+        curves = partial(curves_picture, cut, of_shear, "base shear / that of the fixed live load")
+        made.append((text, save(curves, folder / f"base_shear{ending}.png")))
     text = "Mean drift with a portion fixed; dots: roots reported, rings: further roots"
-    made.append((text, roots_picture(lines, findings, folder / "roots.png")))
+    made.append((text, save(partial(roots_picture, lines, findings), folder / "roots.png")))
     return made
 
 

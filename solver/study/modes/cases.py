@@ -289,5 +289,5 @@ class ModesStudy(Study[ModesCase]):
         write(self.folder / "modes.csv", as_csv(points, NAMES))
         write(self.folder / "modes.txt", text)
         write(self.folder / SUMMARY, {"band": BAND, "maps": maps})
-        modes_picture(points, self.folder / "modes.png")
+        self.draw("modes.png", modes_picture, points)
         return text

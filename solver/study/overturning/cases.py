@@ -249,10 +249,10 @@ class OverturningStudy(Study[OverturningCase]):
             if row["engine"] == "elastic" or (row["engine"] == "ode" and row["restitution"] == e)
         ]
         if len({row["frequency"] for row in first}) > 1:
-            file = self.folder / "overturning.png"
-            overturning_picture(first, others, self._title(e), self.amplitudes[-1], file)
+            told = others, self._title(e), self.amplitudes[-1]
+            self.draw("overturning.png", overturning_picture, first, *told)
         if len(self.restitutions) > 1 and len({row["frequency"] for row in rigid}) <= 6:
-            restitution_picture(rigid, self._title(), self.folder / "restitution.png")
+            self.draw("restitution.png", restitution_picture, rigid, self._title())
 
     def _title(self, restitution: float | None = None) -> str:
         """Slenderness, restitution and friction of the rigid block, in words."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,7 +20,6 @@ from solver.pictures.style import (
     colour,
     legend_above,
     new_figure,
-    save,
 )
 from solver.study.overturning.blocks import PULSES
 from solver.study.overturning.boundaries import DIRECTLY, LATER, STAYS
@@ -34,21 +32,16 @@ ORDINATE = r"amplitude / $(g \tan\alpha)$"
 
 
 def overturning_picture(
-    rows: Sequence[Row], others: Sequence[Row], title: str, top: float, file: Path
-) -> Path:
-    """Draw what overturns a rigid block, a panel for each pulse; returns the file.
+    rows: Sequence[Row], others: Sequence[Row], title: str, top: float
+) -> Figure:
+    """What overturns a rigid block, a panel for each pulse.
 
     Args:
         rows: Of rigid blocks of one restitution.
         others: Of other engines, drawn as marks.
         title: What is said of all panels: slenderness, restitution, friction.
         top: Largest amplitude of the scan.
-        file: To be written.
     """
-    return save(lambda: _drawn(rows, others, title, top), file)
-
-
-def _drawn(rows: Sequence[Row], others: Sequence[Row], title: str, top: float) -> Figure:
     pulses = list(dict.fromkeys(row["pulse"] for row in rows))
     figure = new_figure(2.9 * len(pulses) + 0.6)
     panels = figure.subplots(len(pulses), 1, squeeze=False, sharex=True)[:, 0]
@@ -116,12 +109,8 @@ def _marks(axes: Axes, others: Sequence[Row]) -> None:
             axes.plot(*zip(*at, strict=True), mark, color=tint, label=words, **style)
 
 
-def restitution_picture(rows: Sequence[Row], title: str, file: Path) -> Path:
-    """Draw the boundaries of rigid blocks against restitution, a panel for each pulse."""
-    return save(lambda: _over_restitution(rows, title), file)
-
-
-def _over_restitution(rows: Sequence[Row], title: str) -> Figure:
+def restitution_picture(rows: Sequence[Row], title: str) -> Figure:
+    """The boundaries of rigid blocks against restitution, a panel for each pulse."""
     pulses = list(dict.fromkeys(row["pulse"] for row in rows))
     figure = new_figure(2.9 * len(pulses) + 0.4)
     panels = figure.subplots(len(pulses), 1, squeeze=False, sharex=True)[:, 0]

@@ -373,9 +373,11 @@ class SuiteStudy(Study[SuiteCase]):
             text = (self.folder / FRAGILITY_TEXT).read_text(encoding="utf-8")
             text += "".join(f"{line}\n" for line in lines)
         elif len(rows) == len(self.cases):
-            from solver.study.suite.picture import suite_picture
+            from solver.study.suite.picture import panels_of, suite_picture
 
-            suite_picture(rows, varied, self.folder / PICTURE)
+            shown = [row for row in rows if row.get("pga_g") is not None]
+            if panels := panels_of(shown):
+                self.draw(PICTURE, suite_picture, shown, varied, panels)
         write(self.folder / SUMMARY, found)
         return text
 
@@ -389,11 +391,11 @@ class SuiteStudy(Study[SuiteCase]):
         text = numbers.fragility_text(found, curves, apart, self.axis)
         write(self.folder / FRAGILITY_TEXT, text)
         if found:
-            from solver.study.suite.picture import draw_curves, draw_distributions
+            from solver.study.suite.picture import fragility_picture, peaks_picture
 
             if curves:
-                draw_curves(curves, self.axis, self.folder / CURVES)
-            draw_distributions(found, self.axis, self.folder / DISTRIBUTIONS)
+                self.draw(CURVES, fragility_picture, curves, self.axis)
+            self.draw(DISTRIBUTIONS, peaks_picture, found, self.axis)
         fits = [
             {**dict(own[0].group), "engine": own[0].engine, **(asdict(curve) if curve else {})}
             for own, curve in curves

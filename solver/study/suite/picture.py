@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,7 +19,6 @@ from solver.pictures.style import (
     colour,
     legend_above,
     new_figure,
-    save,
 )
 from solver.results.report import ROUND_OFF
 from solver.study.suite.numbers import Lognormal, Sample, interval, is_of_block
@@ -48,14 +46,7 @@ LEAST_SLIP = 0.1
 Curves = Sequence[tuple[list[Sample], Lognormal | None]]
 
 
-def suite_picture(rows: Sequence[Row], varied: Sequence[str], file: Path) -> Path | None:
-    """Draw the peaks of all runs; returns the file, None where there is nothing to draw."""
-    shown = [row for row in rows if row.get("pga_g") is not None]
-    panels = _panels(shown)
-    return save(lambda: _draw(shown, varied, panels), file) if panels else None
-
-
-def _panels(rows: Sequence[Row]) -> list[tuple[str, str, float]]:
+def panels_of(rows: Sequence[Row]) -> list[tuple[str, str, float]]:
     """Columns that have a panel, with its label and the factor: those in which something moves."""
     names = list(dict.fromkeys(name for row in rows for name in row))
     found = []
@@ -68,10 +59,10 @@ def _panels(rows: Sequence[Row]) -> list[tuple[str, str, float]]:
     return found
 
 
-def _draw(
+def suite_picture(
     rows: Sequence[Row], varied: Sequence[str], panels: Sequence[tuple[str, str, float]]
 ) -> Figure:
-    """A panel for each measure, a colour for each of the varied values."""
+    """The peaks of all runs, a panel for each measure, a colour for each of the varied values."""
     figure = new_figure(0.7 + 1.9 * len(panels))
     grid = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
     groups = list(dict.fromkeys(_group(row, varied) for row in rows))
@@ -120,12 +111,8 @@ def _points(
         axes.plot(*np.array(lost).T, markersize=6, label="overturned or fell", **cross)
 
 
-def draw_curves(curves: Curves, axis: str, file: Path) -> Path:
-    """Draw probabilities of overturning with their intervals and the fitted curves."""
-    return save(lambda: _curves(curves, axis), file)
-
-
-def _curves(curves: Curves, axis: str) -> Figure:
+def fragility_picture(curves: Curves, axis: str) -> Figure:
+    """Probabilities of overturning with their intervals and the fitted curves."""
     groups = list(dict.fromkeys(own[0].group for own, _ in curves))
     figure = new_figure(2.9 * len(groups) + 0.4)
     panels = figure.subplots(len(groups), 1, squeeze=False, sharex=True)[:, 0]
@@ -156,12 +143,8 @@ def _curve(axes: Axes, own: list[Sample], curve: Lognormal | None, place: float)
         axes.plot(along, curve.probability(along), color=tint)
 
 
-def draw_distributions(samples: Sequence[Sample], axis: str, file: Path) -> Path:
-    """Draw the distributions of peak angles and slips, at three levels at most."""
-    return save(lambda: _distributions(samples, axis), file)
-
-
-def _distributions(samples: Sequence[Sample], axis: str) -> Figure:
+def peaks_picture(samples: Sequence[Sample], axis: str) -> Figure:
+    """The distributions of peak angles and slips, at three levels at most."""
     groups = list(dict.fromkeys(sample.group for sample in samples))
     figure = new_figure(2.7 * len(groups) + 0.5)
     panels = figure.subplots(len(groups), 2, squeeze=False, sharey=True)
