@@ -295,14 +295,18 @@ def with_digests(said: Any) -> Any:
 # ---------------------------------------------------------------- words of options
 
 
-def numbers(option: str, text: str) -> list[float]:
+def numbers(option: str, text: str | None) -> list[float]:
     """The positive numbers of an option: V1,V2,... or LOW:HIGH:COUNT, equally spaced.
+
+    There are none where it is not given.
 
     Raises:
         SceneError: It holds something else.
     """
     import numpy as np
 
+    if text is None:
+        return []
     try:
         if text.count(":") == 2:
             low, high, count = text.split(":")
@@ -316,9 +320,12 @@ def numbers(option: str, text: str) -> list[float]:
     return list(dict.fromkeys(found))
 
 
-def words(option: str, text: str, known: Sequence[str]) -> list[str]:
-    """The words of an option, V1,V2,..., all of them known; SceneError where one is not."""
-    found = list(dict.fromkeys(text.split(",")))
+def words(option: str, text: str | None, known: Sequence[str]) -> list[str]:
+    """The words of an option, V1,V2,..., all of them known; SceneError where one is not.
+
+    There are none where it is not given.
+    """
+    found = [] if text is None else list(dict.fromkeys(text.split(",")))
     for word in found:
         if word not in known:
             raise SceneError(option, shown(word), ", ".join(known), nearest(word, known))

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from solver.pictures.style import DASHES, GREY, colour, legend_above, new_figure
+from solver.run.twin import APART
 
 LEAST = 1e-14
 """Smallest difference that is drawn, over alpha."""
@@ -25,7 +26,7 @@ def horizon_picture(rows: Sequence[Mapping[str, Any]]) -> Figure:
             axes.semilogy(twin["time"], apart, color=colour(number), linewidth=0.8, label=label)
             if twin["horizon_s"] is not None:
                 axes.axvline(twin["horizon_s"], color=colour(number), linewidth=0.6, linestyle=":")
-        axes.axhline(row["apart"], color=GREY, linestyle=DASHES, linewidth=0.8)
+        axes.axhline(APART, color=GREY, linestyle=DASHES, linewidth=0.8)
         axes.set(ylabel="|difference| / alpha", ylim=(LEAST, 20))
         scale = "" if row["scale"] == 1 else f", motion times {row['scale']:g}"
         name = f"{row['engine']} block" if row["engine"] else "the scene"

@@ -262,8 +262,8 @@ class ModesStudy(Study[ModesCase]):
         super().__init__(options)
         if not 2 <= options.points <= 200:
             raise SceneError("--points", f"{options.points}", "2 <= points <= 200")
-        engines = words("--engines", options.engines, ENGINES) if options.engines else []
-        ratios = numbers("--ratios", options.ratios) if options.ratios else []
+        engines = words("--engines", options.engines, ENGINES)
+        ratios = numbers("--ratios", options.ratios)
         tables = standing_block(options)
         scene = variant(tables)
         refuse_uneven(scene, "in this study, which varies H/B of homogeneous blocks")

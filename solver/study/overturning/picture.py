@@ -101,12 +101,10 @@ def _marks(axes: Axes, others: Sequence[Row]) -> None:
             for edge in row["boundaries"]
         ]
         if at:
-            style: dict[str, Any] = {
-                "markersize": 5,
-                "markerfacecolor": "none",
-                "markeredgewidth": 1.2,
-            }
-            axes.plot(*zip(*at, strict=True), mark, color=tint, label=words, **style)
+            axes.plot(
+                *zip(*at, strict=True), mark, color=tint, label=words, markersize=5,
+                markerfacecolor="none", markeredgewidth=1.2,
+            )  # fmt: skip
 
 
 def restitution_picture(rows: Sequence[Row], title: str) -> Figure:

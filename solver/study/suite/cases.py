@@ -288,7 +288,7 @@ class SuiteStudy(Study[SuiteCase]):
         if options.horizontal and "second" not in beside:
             allowed = "it for a scene with [motion.second]"
             raise SceneError("--horizontal", options.horizontal, allowed)
-        asked = words("--engines", options.engines, ENGINES) if options.engines else ()
+        asked = words("--engines", options.engines, ENGINES)
         for engine in asked:
             scene = parse_scene(with_model(tables, engine), folder=options.scene.parent)
             if engine == ODE:
