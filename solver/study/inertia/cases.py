@@ -96,8 +96,9 @@ class SlidingCase:
         }
 
     def _ground(self, motion: SuiteMotion) -> SampledMotion:
-        """The motion of the ground along x."""
-        along, *others = scene_of(_suite_case(motion, self.tables, self.folder))[1].parts
+        """The motion of the ground along x, held against the scene's limits."""
+        case = SuiteCase(motion=motion, tables=self.tables, folder=self.folder)
+        along, *others = scene_of(case)[1].parts
         if not isinstance(along, SampledMotion) or any(others):
             raise Statement(motion.name, "is no motion given by samples along x alone")
         return along
@@ -155,25 +156,11 @@ def block_cases(
         BlockCase(
             name=f"{ENGINES[how]}, {values}, {motion.name}",
             key=digest([said, motion.held]),
-            case=_suite_case(motion, resolved, folder),
+            case=SuiteCase(motion=motion, tables=resolved, folder=folder),
             unit_pga=unit_pga,
         )
         for motion in motions
     ]
-
-
-def _suite_case(motion: SuiteMotion, tables: Mapping[str, Any], folder: Path) -> SuiteCase:
-    """A case of a suite, which reads the motion and holds it against the scene's limits."""
-    return SuiteCase(
-        name=motion.name,
-        motion=motion,
-        varied=(),
-        tables=tables,
-        folder=folder,
-        tail=0.0,
-        reference=False,
-        keep=None,
-    )
 
 
 class InertiaStudy(Study[SlidingCase | BlockCase]):
