@@ -320,6 +320,21 @@ def numbers(option: str, text: str | None) -> list[float]:
     return list(dict.fromkeys(found))
 
 
+def by_name(option: str, words: Sequence[str], allowed: str) -> dict[str, list[str]]:
+    """The values that the words of an option, NAME=V1,V2,..., give to each name; NAME alone: none.
+
+    SceneError where one is empty, or comes twice.
+    """
+    found: dict[str, list[str]] = {}
+    for word in words:
+        name, equals, text = (part.strip() for part in word.partition("="))
+        values = [value.strip() for value in text.split(",")] if equals else []
+        if not name or name in found or not all(values) or len(set(values)) < len(values):
+            raise SceneError(option, shown(word), f"{allowed}, each name and value once")
+        found[name] = values
+    return found
+
+
 def words(option: str, text: str | None, known: Sequence[str]) -> list[str]:
     """The words of an option, V1,V2,..., all of them known; SceneError where one is not.
 

@@ -175,7 +175,7 @@ def _resumes(here: Path, rows: dict[tuple[str, str], dict[str, str]], words: Any
         (("--resume", "--motions", "motions/weak.csv"), "made with another motions.weak_2,"),
         (("--vary", "contact.friction=0.1,-1"), "contact.friction: got -1"),
         (("--vary", "contact.friction"), '--vary: got "contact.friction", allowed KEY='),
-        (("--vary", "contact.friction=1", "contact.friction=2"), "--vary: got one key twice"),
+        (("--vary", "contact.friction=1", "contact.friction=2"), "each name and value once"),
         (("--motions", "@nowhere"), "--motions: got @nowhere (no such file"),
         (("--motions", "empty"), "--motions: got empty without any, allowed files .at2"),
         (("--count", "3"), "--count: got 3, allowed nothing without --motions synthetic"),

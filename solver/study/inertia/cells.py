@@ -14,6 +14,7 @@ from solver.excitation.layouts.text import number_in
 from solver.scene import BlockSpec, Platform, Scene, parse_scene
 from solver.scene.checking import nearest, shown
 from solver.scene.time import rounded_down
+from solver.study.study import by_name
 
 AXES = {
     "period": "period T of the empty structure (s)",
@@ -82,15 +83,12 @@ class Cell:
 def chosen(words: Sequence[str]) -> dict[str, tuple[float, ...]]:
     """Axes and values of a command line."""
     found: dict[str, tuple[float, ...]] = {}
-    for word in words or DEFAULT:
-        name, equals, text = (part.strip() for part in word.partition("="))
+    for name, texts in by_name("--of", words or DEFAULT, ALLOWED).items():
         if name not in AXES:
-            raise SceneError("--of", shown(word), ALLOWED, nearest(name, list(AXES)))
-        numbers = [number_in(part) for part in text.split(",")] if equals else []
-        values = tuple(number for number in numbers if number is not None)
-        good = len(values) == len(numbers) == len(set(values)) and min(values, default=0) > 0
-        if not good or name in found:
-            raise SceneError("--of", shown(word), f"{ALLOWED}, positive numbers, each name once")
+            raise SceneError("--of", shown(name), ALLOWED, nearest(name, list(AXES)))
+        values = {number_in(text) or 0.0 for text in texts}
+        if not values or len(values) < len(texts) or not all(value > 0 for value in values):
+            raise SceneError(f"--of {name}", shown(",".join(texts)), "positive numbers, each once")
         found[name] = tuple(sorted(values))
     if {"friction", "friction_over_pga"} <= found.keys():
         raise SceneError("--of", "friction and friction_over_pga", "one of them")

@@ -31,7 +31,7 @@ from solver.scene import Scene, parse_scene
 from solver.scene.checking import shown
 from solver.scene.motion import G_UNIT
 from solver.study.scenes import refuse_components, refuse_others, scene_tables, with_model
-from solver.study.study import SUMMARY, Row, Study, words
+from solver.study.study import SUMMARY, Row, Study, by_name, words
 from solver.study.study import numbers as numbers_of
 from solver.study.suite import numbers
 from solver.study.suite.intensity import ROTD50, Intensity
@@ -395,14 +395,9 @@ class SuiteStudy(Study[SuiteCase]):
 
 def variations(words: Sequence[str]) -> Iterator[tuple[tuple[str, str], ...]]:
     """Every combination of the values in `KEY=VALUE,VALUE...`."""
-    ladders = []
-    for word in words:
-        key, _, text = word.partition("=")
-        values = [value.strip() for value in text.split(",")]
-        if not key.strip() or not all(values) or len(set(values)) < len(values):
-            allowed = "KEY=VALUE,VALUE..., such as contact.friction=0.1,0.2"
-            raise SceneError("--vary", shown(word), allowed)
-        ladders.append([(key.strip(), value) for value in values])
-    if len({ladder[0][0] for ladder in ladders}) < len(ladders):
-        raise SceneError("--vary", "one key twice", "each key once")
+    ladders, allowed = [], "KEY=VALUE,VALUE..., such as contact.friction=0.1,0.2"
+    for key, values in by_name("--vary", words, allowed).items():
+        if not values:
+            raise SceneError("--vary", shown(key), allowed)
+        ladders.append([(key, value) for value in values])
     yield from itertools.product(*ladders)
