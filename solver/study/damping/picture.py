@@ -31,6 +31,9 @@ MARKERS = "osD^vP"
 FEW_VALUES = 5
 """Values up to this number are all named on their axis."""
 
+APART = 1.04
+"""Factor of the values at which a line is drawn, over those of the line before; not linear ones."""
+
 PANEL_HEIGHT = 2.1
 """Height of one of several panels, in."""
 
@@ -80,7 +83,8 @@ def _panel(axes: Axes, lines: Sequence[Line], own: Restitution | None, at: Axis 
     """The points of one axis, the limit, the scene as it is."""
     axis = lines[0].axis
     axes.set_xlabel(f"{axis.label}, {axis.meaning}")
-    place = _Places([value for line in lines for value in line.values])
+    _scale(axes, sorted({value for line in lines for value in line.values}))
+    apart = 1.0 if axes.get_xscale() == "linear" else APART
     for number, line in enumerate(lines):
         mean = np.array(line.means)
         least = np.array([min(found.known) for found in line.found])
@@ -89,7 +93,7 @@ def _panel(axes: Axes, lines: Sequence[Line], own: Restitution | None, at: Axis 
         if at is not None and line.at is not None:
             label = f"{at.name} {line.at:g}"
         axes.errorbar(
-            place.of(line.values, number), mean,
+            apart**number * np.array(line.values), mean,
             yerr=np.array([mean - least, largest - mean]), color=colour(number),
             marker=MARKERS[number % len(MARKERS)], markersize=3.5, capsize=2.5, elinewidth=0.8,
             linewidth=0.8, label=label,
@@ -103,41 +107,17 @@ def _panel(axes: Axes, lines: Sequence[Line], own: Restitution | None, at: Axis 
             )  # fmt: skip
     if own is not None and own.mean is not None:
         axes.axhline(own.mean, color=GREY, linewidth=0.7, linestyle=":", label="the scene")
-    place.ticks(axes)
 
 
-class _Places:
-    """Places of values on an axis, logarithmic where they differ much; zero is at its left end."""
-
-    def __init__(self, values: Sequence[float]):
-        self._values = sorted(set(values))
-        positive = [value for value in self._values if value > 0]
-        self._logarithmic = bool(positive) and positive[-1] > 3 * positive[0]
-        self._zero = 0.0
-        if self._logarithmic and self._values[0] == 0:
-            self._zero = positive[0] * (positive[0] / positive[-1]) ** 0.15
-
-    def of(self, values: Sequence[float], number: int) -> list[float]:
-        """Places of the values of a line; lines are set apart by a little."""
-        apart = 1 + 0.04 * number if self._logarithmic else 1.0
-        return [apart * (value or self._zero) for value in values]
-
-    def ticks(self, axes: Axes) -> None:
-        """Scale and ticks."""
-        if self._logarithmic:
-            axes.set_xscale("log")
-        if len(self._values) <= FEW_VALUES:
-            names = [f"{value:g}".replace("e+", "e").replace("e0", "e") for value in self._values]
-            axes.set_xticks(self.of(self._values, 0), names, fontsize="small")
-            axes.set_xticks([], minor=True)
-        elif self._zero:
-            low, high = axes.get_xlim()
-            ticks = [tick for tick in axes.get_xticks() if 1.5 * self._zero < tick <= high]
-            powers = [f"$10^{{{round(math.log10(tick))}}}$" for tick in ticks]
-            minor = [tick for tick in axes.get_xticks(minor=True) if tick > self._values[1]]
-            axes.set_xticks([self._zero, *ticks], ["0", *powers])
-            axes.set_xticks(minor, minor=True)
-            axes.set_xlim(low, high)
+def _scale(axes: Axes, values: Sequence[float]) -> None:
+    """Scale and ticks for increasing values: logarithmic where they differ much, linear to zero."""
+    positive = [value for value in values if value > 0]
+    if positive and positive[-1] > 3 * positive[0]:
+        axes.set_xscale("symlog", linthresh=positive[0], linscale=0.5)
+    if len(values) <= FEW_VALUES:
+        names = [f"{value:g}".replace("e+", "e").replace("e0", "e") for value in values]
+        axes.set_xticks(values, names, fontsize="small")
+        axes.set_xticks([], minor=True)
 
 
 def history_picture(curves: Mapping[str, Angles]) -> Figure:
