@@ -37,7 +37,7 @@ from solver.run.folders import REPORT, hold_folder, make_folder, unusable_is_ref
 from solver.run.streams import say
 from solver.scene.checking import nearest, shown
 from solver.scene.reader import differing
-from solver.study.pool import finished_cases, reason_of
+from solver.study.pool import Named, finished_cases, reason_of
 from solver.study.tables import write
 
 if TYPE_CHECKING:
@@ -51,12 +51,8 @@ HELD = "held"
 Row = dict[str, Any]
 
 
-class StudyCase(Protocol):
-    """A case of a study."""
-
-    @property
-    def name(self) -> str:
-        """Its own in the study."""
+class StudyCase(Named, Protocol):
+    """A case of a study; its name is its own there."""
 
     def run(self) -> Row:
         """Run the case on one process; its row."""

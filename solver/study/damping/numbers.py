@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 from solver.study.damping.axes import Axis, Sweep, SweptValue
-from solver.study.tables import in_columns, in_markdown
+from solver.study.tables import groups, in_columns, in_markdown
 
 LEAST_ORDER, MOST_ORDER = 0.5, 2.0
 """Orders of convergence that are believed; no more than the second is relied on."""
@@ -184,10 +184,8 @@ def lines(sweep: Sweep, rows: Rows, impacts: int) -> list[Line]:
         rows: What is finished.
         impacts: Number of impacts that count.
     """
-    groups: dict[tuple[str, float | None], list[SweptValue]] = {}
-    for swept in sweep.values:
-        groups.setdefault((swept.axis.name, swept.at), []).append(swept)
-    return [_line(group, rows, impacts) for group in groups.values()]
+    several = groups(sweep.values, lambda swept: (swept.axis.name, swept.at))
+    return [_line(group, rows, impacts) for group in several.values()]
 
 
 def _line(group: Sequence[SweptValue], rows: Rows, impacts: int) -> Line:

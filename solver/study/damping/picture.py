@@ -24,6 +24,7 @@ from solver.pictures.style import (
 from solver.study.damping.axes import Axis
 from solver.study.damping.calibration import Search, Target, Trial
 from solver.study.damping.numbers import Line, Restitution
+from solver.study.tables import groups
 from solver.types import Array
 
 MARKERS = "osD^vP"
@@ -55,14 +56,14 @@ def restitution_picture(lines: Sequence[Line], own: Restitution | None, at: Axis
         own: Restitution of the scene as it is.
         at: The axis that all is repeated for.
     """
-    names = list(dict.fromkeys(line.axis.name for line in lines))
-    columns = 1 if len(names) == 1 else 2
-    rows = math.ceil(len(names) / columns)
+    swept = groups(lines, lambda line: line.axis.name).values()
+    columns = 1 if len(swept) == 1 else 2
+    rows = math.ceil(len(swept) / columns)
     figure = new_figure(3.2 if rows == 1 else PANEL_HEIGHT * rows + 0.4)
     panels = figure.subplots(rows, columns, squeeze=False, sharey=True).ravel()
-    for axes, name in zip(panels, names, strict=False):
-        _panel(axes, [line for line in lines if line.axis.name == name], own, at)
-    for axes in panels[len(names) :]:
+    for axes, inside in zip(panels, swept, strict=False):
+        _panel(axes, inside, own, at)
+    for axes in panels[len(swept) :]:
         axes.set_visible(False)
     for axes in panels[::columns]:
         axes.set_ylabel("restitution")

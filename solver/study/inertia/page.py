@@ -43,7 +43,7 @@ from solver.study.inertia.picture import (
     roots_picture,
 )
 from solver.study.study import SUMMARY
-from solver.study.tables import write
+from solver.study.tables import groups, write
 
 DEFINITION = (
     "λ is the portion of the live load that, rigidly attached to the linear structure of the same "
@@ -177,18 +177,16 @@ def _difference(findings: Sequence[Finding]) -> str:
 def _pictures(folder: Path, lines: Sequence[Line], findings: Sequence[Finding]) -> list[Picture]:
     """Draw all pictures; a set for each combination of the axes before the last two."""
     made: list[Picture] = []
-    groups: dict[tuple[tuple[str, float], ...], list[Finding]] = {}
-    for finding in findings:
-        groups.setdefault(finding.cell.values[:-2], []).append(finding)
-    for number, (values, group) in enumerate(groups.items(), start=1):
-        ending = f"_{number}" if len(groups) > 1 else ""
+    maps = groups(findings, lambda finding: finding.cell.values[:-2])
+    for number, (values, group) in enumerate(maps.items(), start=1):
+        ending = f"_{number}" if len(maps) > 1 else ""
         at = "".join(f", {name} {value:g}" for name, value in values)
         cut = [_without(finding, len(values)) for finding in group]
         text = f"λ with its interval of 90 %; dashed: values of codes{at}"
         curves = partial(curves_picture, cut, of_lambda, "portion of live load λ")
         made.append((text, save(curves, folder / f"lambda{ending}.png")))
-        for by in dict.fromkeys(f.by for f in cut if len(f.cell.values) > 1):
-            own = [finding for finding in cut if finding.by == by]
+        mapped = [finding for finding in cut if len(finding.cell.values) > 1]
+        for by, own in groups(mapped, lambda finding: finding.by).items():
             file = folder / f"map{ending}_{by.replace(' ', '_')}.png"
             text = f"λ and half its interval of 90 %, {by}{at}"
             made.append((text, save(partial(map_picture, own), file)))

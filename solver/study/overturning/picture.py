@@ -24,6 +24,7 @@ from solver.pictures.style import (
 from solver.study.overturning.blocks import PULSES
 from solver.study.overturning.boundaries import DIRECTLY, LATER, STAYS
 from solver.study.overturning.numbers import LINEAR, kinds
+from solver.study.tables import groups
 
 Row = Mapping[str, Any]
 
@@ -42,11 +43,11 @@ def overturning_picture(
         title: What is said of all panels: slenderness, restitution, friction.
         top: Largest amplitude of the scan.
     """
-    pulses = list(dict.fromkeys(row["pulse"] for row in rows))
+    pulses = groups(rows, lambda row: row["pulse"])
     figure = new_figure(2.9 * len(pulses) + 0.6)
     panels = figure.subplots(len(pulses), 1, squeeze=False, sharex=True)[:, 0]
-    for axes, pulse in zip(panels, pulses, strict=True):
-        own = sorted((r for r in rows if r["pulse"] == pulse), key=lambda row: row["frequency"])
+    for axes, (pulse, inside) in zip(panels, pulses.items(), strict=True):
+        own = sorted(inside, key=lambda row: row["frequency"])
         _areas(axes, own, top)
         _marks(axes, [row for row in others if row["pulse"] == pulse])
         at = np.linspace(own[0]["frequency"], own[-1]["frequency"], 200)
@@ -109,13 +110,13 @@ def _marks(axes: Axes, others: Sequence[Row]) -> None:
 
 def restitution_picture(rows: Sequence[Row], title: str) -> Figure:
     """The boundaries of rigid blocks against restitution, a panel for each pulse."""
-    pulses = list(dict.fromkeys(row["pulse"] for row in rows))
+    pulses = groups(rows, lambda row: row["pulse"])
     figure = new_figure(2.9 * len(pulses) + 0.4)
     panels = figure.subplots(len(pulses), 1, squeeze=False, sharex=True)[:, 0]
-    for axes, pulse in zip(panels, pulses, strict=True):
-        own = [row for row in rows if row["pulse"] == pulse]
-        for number, frequency in enumerate(sorted({row["frequency"] for row in own})):
-            _curve(axes, [row for row in own if row["frequency"] == frequency], colour(number))
+    for axes, (pulse, inside) in zip(panels, pulses.items(), strict=True):
+        curves = groups(inside, lambda row: row["frequency"])
+        for number, frequency in enumerate(sorted(curves)):
+            _curve(axes, curves[frequency], colour(number))
         axes.set(ylabel=ORDINATE)
         axes.set_title(f"{PULSES[pulse].words}: {title}", loc="left")
     panels[-1].set_xlabel("restitution e")

@@ -22,7 +22,7 @@ from solver.pictures.style import (
 )
 from solver.results.report import ROUND_OFF
 from solver.study.suite.numbers import Lognormal, Sample, interval, is_of_block
-from solver.study.tables import Row
+from solver.study.tables import Row, groups
 
 MEASURES = (
     ("platform.peak_drift_m", "peak drift (mm)", 1e3),
@@ -65,12 +65,11 @@ def suite_picture(
     """The peaks of all runs, a panel for each measure, a colour for each of the varied values."""
     figure = new_figure(0.7 + 1.9 * len(panels))
     grid = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
-    groups = list(dict.fromkeys(_group(row, varied) for row in rows))
+    runs = groups(rows, lambda row: _words(row, varied))
     for axes, (name, label, factor) in zip(grid, panels, strict=True):
-        for number, group in enumerate(groups):
-            inside = [row for row in rows if _group(row, varied) == group]
+        for number, (words, inside) in enumerate(runs.items()):
             look = {"color": colour(number), "marker": MARKERS[number % len(MARKERS)]}
-            _points(axes, inside, name, factor, label=group or "runs", **look)
+            _points(axes, inside, name, factor, label=words or "runs", **look)
         axes.set_ylabel(label)
         axes.set_ylim(0, None)
     grid[-1].set_xlabel("largest acceleration of the ground along x (g)")
@@ -80,7 +79,7 @@ def suite_picture(
     return figure
 
 
-def _group(row: Mapping[str, Any], varied: Sequence[str]) -> str:
+def _words(row: Mapping[str, Any], varied: Sequence[str]) -> str:
     """The varied values of a run in words."""
     return ", ".join(f"{key.rpartition('.')[2]} {row[key]}" for key in varied)
 
@@ -113,11 +112,10 @@ def _points(
 
 def fragility_picture(curves: Curves, axis: str) -> Figure:
     """Probabilities of overturning with their intervals and the fitted curves."""
-    groups = list(dict.fromkeys(own[0].group for own, _ in curves))
-    figure = new_figure(2.9 * len(groups) + 0.4)
-    panels = figure.subplots(len(groups), 1, squeeze=False, sharex=True)[:, 0]
-    for axes, group in zip(panels, groups, strict=True):
-        inside = [pair for pair in curves if pair[0][0].group == group]
+    blocks = groups(curves, lambda curve: curve[0][0].group).values()
+    figure = new_figure(2.9 * len(blocks) + 0.4)
+    panels = figure.subplots(len(blocks), 1, squeeze=False, sharex=True)[:, 0]
+    for axes, inside in zip(panels, blocks, strict=True):
         for number, (own, curve) in enumerate(inside):
             _curve(axes, own, curve, number - (len(inside) - 1) / 2)
         axes.set(ylabel="probability of overturning", ylim=(-0.03, 1.03))
@@ -145,15 +143,15 @@ def _curve(axes: Axes, own: list[Sample], curve: Lognormal | None, place: float)
 
 def peaks_picture(samples: Sequence[Sample], axis: str) -> Figure:
     """The distributions of peak angles and slips, at three levels at most."""
-    groups = list(dict.fromkeys(sample.group for sample in samples))
-    figure = new_figure(2.7 * len(groups) + 0.5)
-    panels = figure.subplots(len(groups), 2, squeeze=False, sharey=True)
+    blocks = groups(samples, lambda sample: sample.group)
+    figure = new_figure(2.7 * len(blocks) + 0.5)
+    panels = figure.subplots(len(blocks), 2, squeeze=False, sharey=True)
     levels = sorted({sample.level for sample in samples if sample.level is not None})
     shown: list[float | None] = (
         list(sorted({levels[0], levels[len(levels) // 2], levels[-1]})) if levels else [None]
     )
-    for line, group in zip(panels, groups, strict=True):
-        for sample in (s for s in samples if s.group == group and s.level in shown):
+    for line, (group, inside) in zip(panels, blocks.items(), strict=True):
+        for sample in (sample for sample in inside if sample.level in shown):
             label = NAMES[sample.engine]
             if sample.level is not None:
                 label += f", {axis.split(',')[0]} {sample.level:g}"
