@@ -298,27 +298,19 @@ def measures(found: Restitution) -> dict[str, Any]:
 
 def words(table: Sequence[Mapping[str, Any]], sweep: Sweep, impacts: int) -> list[list[str]]:
     """The most important columns as words, the heading first."""
-    numbers = range(1, impacts + 1)
-    at = [] if sweep.at is None else [sweep.at.name]
-    heading = ["axis", "value", *at, "restitution", "± error"]
-    heading += [*(f"impact {k}" for k in numbers), "damping", "unresolved", "steps", "wall s"]
-    found = [heading]
+    at = [] if sweep.at is None else [(sweep.at.name, sweep.at.name, "g")]
+    each = [(f"restitution_{k}", f"impact {k}", ".4f") for k in range(1, impacts + 1)]
+    columns = [
+        *(("axis", "axis", ""), ("value", "value", "g"), *at),
+        *(("restitution", "restitution", ".4f"), ("standard_error", "± error", ".4f"), *each),
+        *(("loss.damping", "damping", ".0%"), ("unresolved", "unresolved", ".0%")),
+        *(("steps", "steps", "d"), ("wall_s", "wall s", ".1f")),
+    ]
+    found = [[heading for _, heading, _ in columns]]
     for row in table:
         unresolved = _sum(row, "loss.contact", "loss.numerical")
-        found.append(
-            [
-                row["axis"] or "the scene",
-                _number(row["value"], "g"),
-                *(_number(row.get(key), "g") for key in at),
-                _number(row.get("restitution"), ".4f"),
-                _number(row.get("standard_error"), ".4f"),
-                *(_number(row.get(f"restitution_{k}"), ".4f") for k in numbers),
-                _number(row.get("loss.damping"), ".0%"),
-                _number(unresolved, ".0%"),
-                _number(row.get("steps"), "d"),
-                _number(row.get("wall_s"), ".1f"),
-            ]
-        )
+        told = {**row, "axis": row["axis"] or "the scene", "unresolved": unresolved}
+        found.append([_number(told.get(key), form) for key, _, form in columns])
     return found
 
 
