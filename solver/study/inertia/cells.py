@@ -26,6 +26,9 @@ AXES = {
 }
 """Names of the axes, and what they are called in pictures."""
 
+OF_STRUCTURE = ("period", "mass_ratio", "damping_ratio")
+"""Axes that are numbers of the structure."""
+
 DEFAULT = (
     "period=0.25,0.5,0.75,1,1.5,2",
     "friction=0.05,0.1,0.15,0.2,0.25,0.3,0.4,0.5",
@@ -137,16 +140,11 @@ def cells_of(scene: Scene, axes: Mapping[str, tuple[float, ...]]) -> tuple[Cell,
     made = []
     for combination in itertools.product(*axes.values()):
         values = dict(zip(axes, combination, strict=True))
-        structure = replace(
-            base,
-            mass_ratio=values.get("mass_ratio", base.mass_ratio),
-            period=values.get("period", base.period),
-            damping_ratio=values.get("damping_ratio", base.damping_ratio),
-        )
+        own: dict[str, Any] = {name: values[name] for name in OF_STRUCTURE if name in values}
         made.append(
             Cell(
                 values=tuple(values.items()),
-                structure=structure,
+                structure=replace(base, **own),
                 friction=values.get("friction_over_pga", values.get("friction", friction)),
                 aspect=values.get("aspect"),
             )

@@ -1,16 +1,15 @@
-"""Files of the study: tables, pictures, and one HTML page that needs no other file.
+"""Pictures of the study, and one HTML page that needs no other file.
 
 Nothing in it depends on how long the study took, nor on how often it was stopped.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from html import escape
 from pathlib import Path
-from typing import Any
 
 from solver.info import versions
 from solver.pictures.html import (
@@ -29,9 +28,6 @@ from solver.study.inertia.numbers import (
     WANTED,
     Finding,
     Line,
-    csv_text,
-    markdown,
-    row_of,
     widest,
     words,
 )
@@ -42,8 +38,7 @@ from solver.study.inertia.picture import (
     of_shear,
     roots_picture,
 )
-from solver.study.study import SUMMARY
-from solver.study.tables import groups, write
+from solver.study.tables import groups
 
 DEFINITION = (
     "λ is the portion of the live load that, rigidly attached to the linear structure of the same "
@@ -62,43 +57,25 @@ Picture = tuple[str, Path]
 """Caption of a picture, and its file."""
 
 
-def write_all(
-    folder: Path,
-    lines: Sequence[Line],
+def inertia_page(
     findings: Sequence[Finding],
-    failed: Mapping[str, str],
-    notes: Sequence[str],
+    pictures: Sequence[Picture],
+    failures: Sequence[str],
     *,
     title: str,
     scene: str,
     command: str,
 ) -> str:
-    """Write all that the study leaves besides the numbers of its runs; returns its table in words.
+    """The page, which needs no other file.
 
     Args:
-        folder: Of the study.
-        lines: The structures.
         findings: Of all cells.
-        failed: Names of runs that failed, and why.
-        notes: On the motions.
+        pictures: Of them.
+        failures: Runs that failed, and why.
         title: Of the study.
         scene: Its text.
         command: What repeats the study.
     """
-    failures = [f"{name}: {reason}" for name, reason in sorted(failed.items())]
-    write(folder / "inertia.csv", csv_text(findings))
-    text = markdown(title, findings, failures, notes)
-    write(folder / "inertia.md", text)
-    summary = {
-        "motions": findings[0].motions,
-        "notes": list(notes),
-        "widest_half_interval": widest(findings),
-        "cells": [_entry(finding) for finding in findings],
-        "failed": dict(sorted(failed.items())),
-    }
-    write(folder / SUMMARY, summary)
-    for old in folder.glob("*.png"):
-        old.unlink()
     known = versions()  # of what is loaded: with MPI more than without
     of_codes = [f"{value.portion:g}: {value.source}" for value in CODE_VALUES]
     parts = [
@@ -106,7 +83,7 @@ def write_all(
         heading("What λ is"),
         *paragraphs(DEFINITION),
         heading("Pictures"),
-        *(figure(text, file) for text, file in _pictures(folder, lines, findings)),
+        *(figure(text, file) for text, file in pictures),
         heading("Numbers"),
         table(words(findings)),
         *((heading("Runs that failed"), items(failures)) if failures else ()),
@@ -119,17 +96,7 @@ def write_all(
         heading("Versions"),
         items(f"{name} {known[name]}" for name in ("rockslip", "python", "numpy")),
     ]
-    write(folder / "inertia.html", document(title, parts))
-    return text
-
-
-def _entry(finding: Finding) -> dict[str, Any]:
-    """A cell for programs."""
-    return row_of(finding) | {
-        "roots": list(finding.arithmetic.roots),
-        "roots_geometric": list(finding.geometric.roots),
-        "resampled_without": finding.arithmetic.without,
-    }
+    return document(title, parts)
 
 
 def _sentences(findings: Sequence[Finding]) -> list[str]:
@@ -174,8 +141,12 @@ def _difference(findings: Sequence[Finding]) -> str:
     return " ".join(said)
 
 
-def _pictures(folder: Path, lines: Sequence[Line], findings: Sequence[Finding]) -> list[Picture]:
+def draw_pictures(
+    folder: Path, lines: Sequence[Line], findings: Sequence[Finding]
+) -> list[Picture]:
     """Draw all pictures; a set for each combination of the axes before the last two."""
+    for old in folder.glob("*.png"):
+        old.unlink()
     made: list[Picture] = []
     maps = groups(findings, lambda finding: finding.cell.values[:-2])
     for number, (values, group) in enumerate(maps.items(), start=1):
