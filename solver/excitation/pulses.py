@@ -27,6 +27,11 @@ class Pulse(ABC):
     """s, > start."""
 
     @property
+    def peak(self) -> float:
+        """Largest |a_g|, m/s^2."""
+        return abs(self.amplitude)
+
+    @property
     def duration(self) -> float:
         """From start to stop, s; 0 if it is over before it begins."""
         return max(self.stop - self.start, 0.0)
@@ -100,11 +105,6 @@ class Rectangular(Pulse):
     """a_g = A."""
 
     @property
-    def peak(self) -> float:
-        """Largest |a_g|, m/s^2."""
-        return abs(self.amplitude)
-
-    @property
     def _reversals(self) -> tuple[float, ...]:
         return ()
 
@@ -125,11 +125,6 @@ class Ricker(Pulse):
 
     frequency: float
     """f, 1/s."""
-
-    @property
-    def peak(self) -> float:
-        """Largest |a_g|, m/s^2."""
-        return abs(self.amplitude)
 
     @property
     def _reversals(self) -> tuple[float, ...]:

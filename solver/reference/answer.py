@@ -116,10 +116,8 @@ def _pivots_on_platform(scene: Scene) -> bool:
     block, down = scene.blocks[0], -scene.gravity_vector[1]
     if block.tilt or block.velocity[0]:
         return bool(block.tilt)
-    if not block.shape.is_even:
-        farthest = max(block.shape.uplift(side) for side in SIDES)
-        return resistance(scene).holds(down, slipped=False) > down * farthest
-    return resistance(scene).holds(down, slipped=False) * block.height > down * block.width
+    farthest = max(block.shape.uplift(side) for side in SIDES)
+    return resistance(scene).holds(down, slipped=False) > down * farthest
 
 
 def _refuse(scene: Scene, ground: GroundMotion) -> None:

@@ -129,14 +129,10 @@ def housner(
         longest: Longest step of the integrator over ground that moves, s; None: `step`.
         tolerance: Relative, of the integrator.
     """
+    share = shape.mass / (shape.mass + platform.mass) if platform else 0.0
+    ratios = {side: max(0.0, shape.restitution(side, share)) for side in SIDES}
     if restitution is not None:
         ratios = dict.fromkeys(SIDES, restitution)
-    elif platform is not None:
-        ratios = {
-            side: max(0.0, restitution_on_platform(shape, platform.mass, side)) for side in SIDES
-        }
-    else:
-        ratios = {side: max(0.0, housner_restitution(shape, side)) for side in SIDES}
     if not all(0 <= ratio <= 1 for ratio in ratios.values()) or not abs(tilt) < math.pi / 2:
         raise ValueError(f"housner: tilt={tilt}, restitution={ratios[1]}")
     # Over ground that moves, no feature of its motion may be stepped over.

@@ -184,10 +184,8 @@ def expected_mode(scene: Scene, ground: GroundMotion | None = None) -> str:
     friction = law.holds(gravity, slipped=False) / gravity
     if block.tilt != 0:
         side = 1 if block.tilt > 0 else -1
-        share = 0.75
-        if not shape.is_even:
-            square = shape.mass * shape.radius(side) ** 2
-            share = square / shape.rotary_inertia_about_corner(side)
+        square = shape.mass * shape.radius(side) ** 2
+        share = square / shape.rotary_inertia_about_corner(side)
         needed = release_friction(block.tilt, shape.slenderness(side), share)
         if abs(block.tilt) > shape.slenderness(side):
             return "overturned"
@@ -195,10 +193,8 @@ def expected_mode(scene: Scene, ground: GroundMotion | None = None) -> str:
     speed = block.velocity[0]
     if speed:
         # Friction at work, not what it could hold, decides whether the block trips over it.
-        slender = 1 / shape.uplift(1 if speed > 0 else -1)
-        if shape.is_even:
-            slender = block.height / block.width
-        return "slide" if law.slides(gravity, abs(speed)) <= gravity / slender else "slide-rock"
+        limit = gravity * shape.uplift(1 if speed > 0 else -1)
+        return "slide" if law.slides(gravity, abs(speed)) <= limit else "slide-rock"
     ground = ground or read_ground(scene)
     if shape.is_even:
         return initial_mode(demand(scene, ground), friction, block.height / block.width)

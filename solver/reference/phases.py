@@ -26,17 +26,16 @@ def still(time: float) -> float:
 
 
 def first_beyond(
-    acceleration: Acceleration, limit: float | Acceleration, start: float, end: float, step: float
+    acceleration: Acceleration, limit: Acceleration, start: float, end: float, step: float
 ) -> float | None:
-    """The first time at which |acceleration| exceeds `limit`, or None.
+    """The first time at which |acceleration| exceeds the limit of that time, or None.
 
     Looked for every `step` and then narrowed down; what is returned lies beyond the limit, by
     round-off, so that a motion that begins there does begin.
     """
-    bound = limit if callable(limit) else lambda _: limit
 
     def beyond(time: float) -> bool:
-        return abs(acceleration(time)) > bound(time)
+        return abs(acceleration(time)) > limit(time)
 
     low = start
     while not beyond(low):

@@ -138,15 +138,11 @@ def _rows(file: Path) -> list[list[str]]:
 
 def _failures(rows: list[list[str]]) -> list[str]:
     """Cases that did not complete, with their reasons."""
-    names = rows[0] if rows else []
-    if "status" not in names:
-        return []
-    at = names.index("status")
-    why = names.index("reason") if "reason" in names else None
+    cases = [dict(zip(rows[0], row, strict=False)) for row in rows[1:]]
+    failed = [case for case in cases if case.get("status") not in ("completed", "", None)]
     return [
-        f"{row[0]}: {row[at]}{f' ({row[why]})' if why is not None and row[why] else ''}"
-        for row in rows[1:]
-        if len(row) > at and row[at] not in ("completed", "")
+        f"{case[rows[0][0]]}: {case['status']}{f' ({why})' if (why := case.get('reason')) else ''}"
+        for case in failed
     ]
 
 

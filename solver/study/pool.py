@@ -222,16 +222,14 @@ def _settings() -> Iterator[None]:
     """
     petsc = f"{os.environ.get('PETSC_OPTIONS', '')} -no_signal_handler"
     settings = dict.fromkeys(THREAD_VARIABLES, "1") | {"PETSC_OPTIONS": petsc.strip()}
-    before = {name: os.environ.get(name) for name in settings}
+    before = {name: os.environ[name] for name in settings if name in os.environ}
     os.environ.update(settings)
     try:
         yield
     finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
+        for name in settings:
+            del os.environ[name]
+        os.environ.update(before)
 
 
 @contextmanager

@@ -25,10 +25,10 @@ import json
 import math
 import shutil
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing, suppress
 from pathlib import Path
-from typing import Any, ClassVar, Generic, Protocol, Self, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, Self, TypeVar
 
 from solver import VERSION
 from solver.errors import NotConverged, SceneError
@@ -37,8 +37,11 @@ from solver.run.folders import REPORT, hold_folder, make_folder, unusable_is_ref
 from solver.run.streams import say
 from solver.scene.checking import nearest, shown
 from solver.scene.reader import differing
-from solver.study.pool import finished_cases, reason_of
+from solver.study.pool import Named, finished_cases, reason_of
 from solver.study.tables import write
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 SETTINGS, CASES, SUMMARY = "settings.json", "cases", "summary.json"
 
@@ -48,12 +51,8 @@ HELD = "held"
 Row = dict[str, Any]
 
 
-class StudyCase(Protocol):
-    """A case of a study."""
-
-    @property
-    def name(self) -> str:
-        """Its own in the study."""
+class StudyCase(Named, Protocol):
+    """A case of a study; its name is its own there."""
 
     def run(self) -> Row:
         """Run the case on one process; its row."""
@@ -127,6 +126,12 @@ class Study(ABC, Generic[Case]):
         return len(self.completed) == len(self.cases)
 
     # ------------------------------------------------------------ the same for all
+
+    def draw(self, name: str, picture: Callable[..., Figure], *told: Any) -> None:
+        """Draw a picture of what it is told, into a file of that name."""
+        from solver.pictures.style import save
+
+        save(lambda: picture(*told), self.folder / name)
 
     @classmethod
     def run(cls, options: argparse.Namespace) -> int:
@@ -286,14 +291,18 @@ def with_digests(said: Any) -> Any:
 # ---------------------------------------------------------------- words of options
 
 
-def numbers(option: str, text: str) -> list[float]:
+def numbers(option: str, text: str | None) -> list[float]:
     """The positive numbers of an option: V1,V2,... or LOW:HIGH:COUNT, equally spaced.
+
+    There are none where it is not given.
 
     Raises:
         SceneError: It holds something else.
     """
     import numpy as np
 
+    if text is None:
+        return []
     try:
         if text.count(":") == 2:
             low, high, count = text.split(":")
@@ -307,9 +316,27 @@ def numbers(option: str, text: str) -> list[float]:
     return list(dict.fromkeys(found))
 
 
-def words(option: str, text: str, known: Sequence[str]) -> list[str]:
-    """The words of an option, V1,V2,..., all of them known; SceneError where one is not."""
-    found = list(dict.fromkeys(text.split(",")))
+def by_name(option: str, words: Sequence[str], allowed: str) -> dict[str, list[str]]:
+    """The values that the words of an option, NAME=V1,V2,..., give to each name; NAME alone: none.
+
+    SceneError where one is empty, or comes twice.
+    """
+    found: dict[str, list[str]] = {}
+    for word in words:
+        name, equals, text = (part.strip() for part in word.partition("="))
+        values = [value.strip() for value in text.split(",")] if equals else []
+        if not name or name in found or not all(values) or len(set(values)) < len(values):
+            raise SceneError(option, shown(word), f"{allowed}, each name and value once")
+        found[name] = values
+    return found
+
+
+def words(option: str, text: str | None, known: Sequence[str]) -> list[str]:
+    """The words of an option, V1,V2,..., all of them known; SceneError where one is not.
+
+    There are none where it is not given.
+    """
+    found = [] if text is None else list(dict.fromkeys(text.split(",")))
     for word in found:
         if word not in known:
             raise SceneError(option, shown(word), ", ".join(known), nearest(word, known))

@@ -5,13 +5,16 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from solver.results.summary import write_json, write_whole
 
 Row = Mapping[str, Any]
+
+Member = TypeVar("Member")
+Key = TypeVar("Key")
 
 
 def in_columns(table: Sequence[Sequence[str]], left: int = 1) -> list[str]:
@@ -36,6 +39,14 @@ def in_markdown(table: Sequence[Sequence[str]]) -> list[str]:
     """Lines of a table of words in Markdown; the first row is the heading."""
     heading, *rows = table
     return [f"| {' | '.join(row)} |" for row in (heading, ["---"] * len(heading), *rows)]
+
+
+def groups(rows: Iterable[Member], key: Callable[[Member], Key]) -> dict[Key, list[Member]]:
+    """Rows by their keys, both in the order in which they come."""
+    found: dict[Key, list[Member]] = {}
+    for row in rows:
+        found.setdefault(key(row), []).append(row)
+    return found
 
 
 def early_ends(rows: Iterable[Row]) -> list[str]:

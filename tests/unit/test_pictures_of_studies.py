@@ -56,9 +56,9 @@ LAMBDAS = [
 
 
 def test_bars_of_lambda_end_where_its_interval_does() -> None:
-    from solver.study.inertia.picture import _curves, of_lambda
+    from solver.study.inertia.picture import curves_picture, of_lambda
 
-    (axes,) = _curves(LAMBDAS, of_lambda, "λ").axes
+    (axes,) = curves_picture(LAMBDAS, of_lambda, "λ").axes
     assert bars(axes, 0) == pytest.approx([(0.15, 0.3), (0.58, 0.7)])
     assert bars(axes, 1) == pytest.approx([(0.1, 0.32), (0.5, 0.95)])
     np.testing.assert_allclose(axes.containers[0].lines[0].get_ydata(), [0.2, 0.6])
@@ -66,9 +66,9 @@ def test_bars_of_lambda_end_where_its_interval_does() -> None:
 
 def test_a_map_of_lambda_has_shade_and_number_of_each_cell_at_its_place() -> None:
     """Periods to the right, friction upwards."""
-    from solver.study.inertia.picture import _map
+    from solver.study.inertia.picture import map_picture
 
-    figure = _map(LAMBDAS)
+    figure = map_picture(LAMBDAS)
     figure.canvas.draw()
     axes = figure.axes[0]
     (image,) = axes.images
@@ -95,10 +95,10 @@ def sample(level: float | None, angles: tuple[float, ...]) -> Sample:
 
 def test_bars_of_probabilities_are_intervals_of_confidence() -> None:
     """Of none and of all of ten (Clopper and Pearson 1934): 0.025^(1/10) is their other end."""
-    from solver.study.suite.picture import _curves
+    from solver.study.suite.picture import fragility_picture
 
     own = [sample(0.5, (0.3,) * 10), sample(1.0, (math.inf,) * 10)]
-    (axes,) = _curves([(own, None)], "PGA").axes
+    (axes,) = fragility_picture([(own, None)], "PGA").axes
     end = 0.025**0.1
     assert bars(axes) == [pytest.approx((0.0, 1 - end)), pytest.approx((end, 1.0))]
     np.testing.assert_allclose(axes.containers[0].lines[0].get_ydata(), [0, 1])
@@ -106,9 +106,9 @@ def test_bars_of_probabilities_are_intervals_of_confidence() -> None:
 
 def test_a_distribution_of_peaks_ends_at_the_part_that_stood() -> None:
     """Two of five overturned: the curve ends at 0.6, and jumps by 0.2 at each of the others."""
-    from solver.study.suite.picture import _distributions
+    from solver.study.suite.picture import peaks_picture
 
-    angles = _distributions([sample(None, (math.inf, 0.5, 0.2, math.inf, 0.3))], "PGA").axes[0]
+    angles = peaks_picture([sample(None, (math.inf, 0.5, 0.2, math.inf, 0.3))], "PGA").axes[0]
     (line,) = angles.lines
     np.testing.assert_allclose(line.get_xdata(), [0, 0.2, 0.3, 0.5])
     np.testing.assert_allclose(line.get_ydata(), [0, 0.2, 0.4, 0.6])
@@ -123,14 +123,14 @@ def vertical_reach(axes: Any, label: str) -> tuple[float, float]:
 
 
 def test_the_band_of_a_limit_is_as_wide_as_its_uncertainty() -> None:
-    from solver.study.damping.picture import _restitutions
+    from solver.study.damping.picture import restitution_picture
 
     line = DampingLine(
         axis=AXES["step"], at=None, values=(1e-3, 5e-4),
         found=(Restitution((0.90, 0.95), 2), Restitution((0.91, 0.93), 2)),
         limit=Limit(value=0.92, uncertainty=0.004, source="reached"), limits=(),
     )  # fmt: skip
-    (axes,) = _restitutions([line], None, None).axes
+    (axes,) = restitution_picture([line], None, None).axes
     assert vertical_reach(axes, "limit") == pytest.approx((0.916, 0.924))
     assert bars(axes) == [pytest.approx((0.90, 0.95)), pytest.approx((0.91, 0.93))]
 
@@ -140,7 +140,7 @@ def test_a_measured_history_leans_to_the_side_of_the_calibrated_run(
     own: float, measured: float
 ) -> None:
     """Whatever side it was released to, and its clock starts with the run's."""
-    from solver.study.damping.picture import _figure
+    from solver.study.damping.picture import calibration_picture
 
     time = np.linspace(0.0, 2.0, 101)
     swing: Array = 0.05 * np.exp(-time) * np.cos(4 * time)
@@ -148,7 +148,7 @@ def test_a_measured_history_leans_to_the_side_of_the_calibrated_run(
     for value, e in ((1e-6, 0.95), (1e-5, 0.93), (1e-4, 0.91)):
         search.tell(Trial(value=value, restitution=e, found=(e,)))
     target = Target(restitution=0.93, peaks=(), impacts=4, history=(time + 12.0, measured * swing))
-    above, below = _figure(search, target, "beta_R (s)", (time, own * swing)).axes
+    above, below = calibration_picture(search, target, "beta_R (s)", (time, own * swing)).axes
     assert vertical_reach(above, "reach") == pytest.approx((0.91, 0.95))
     curves = {line.get_label(): line for line in below.lines}
     for label in ("measured", "calibrated run"):

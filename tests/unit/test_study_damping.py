@@ -489,7 +489,7 @@ def test_too_few_impacts_refuse_a_calibration(made_up: MadeUp, capsys: Captured)
     ("words", "said"),
     [
         (("--of", "beta=1,x"), '--of: got "beta=1,x", allowed NAME or NAME='),
-        (("--of", "beta,beta"), "each name once"),
+        (("--of", "beta", "beta"), "each name and value once"),
         (("--of", "betta"), '--of: got "betta", allowed step, '),
         (("--of", "beta", "--at", "beta=1e-5"), '--at: got "beta=1e-5", allowed one axis that'),
         (("--block", "other"), '--block: got "other", allowed block'),

@@ -117,6 +117,7 @@ def test_all_motions_with_all_values(here: Path, capsys: Captured) -> None:
     strong = rows["strong", "0.1"]
     assert strong["block.mode"] == "slide"
     assert strong["block.peak_displacement_m"] == strong["block.peak_slip_m"]  # nothing flew
+    assert (here / "out" / "suite.png").stat().st_size > 10_000
     _is_a_single_run(here, rows["strong", "0.1"])
     _says_it_all(here, capsys.readouterr().out)
     _resumes(here, rows, words)
@@ -174,7 +175,7 @@ def _resumes(here: Path, rows: dict[tuple[str, str], dict[str, str]], words: Any
         (("--resume", "--motions", "motions/weak.csv"), "made with another motions.weak_2,"),
         (("--vary", "contact.friction=0.1,-1"), "contact.friction: got -1"),
         (("--vary", "contact.friction"), '--vary: got "contact.friction", allowed KEY='),
-        (("--vary", "contact.friction=1", "contact.friction=2"), "--vary: got one key twice"),
+        (("--vary", "contact.friction=1", "contact.friction=2"), "each name and value once"),
         (("--motions", "@nowhere"), "--motions: got @nowhere (no such file"),
         (("--motions", "empty"), "--motions: got empty without any, allowed files .at2"),
         (("--count", "3"), "--count: got 3, allowed nothing without --motions synthetic"),

@@ -21,7 +21,7 @@ from solver.run.simulate import simulate
 from solver.scene import BlockSpec, Scene, parse_scene
 from solver.scene.checking import nearest, shown, to_table
 from solver.scene.damping import DEFAULT_RATIO, stiffness_damping
-from solver.study.study import Row, digest
+from solver.study.study import Row, by_name, digest
 from solver.types import Array
 
 Tables = dict[str, Any]
@@ -468,24 +468,16 @@ def chosen_axes(words: Sequence[str], option: str) -> dict[str, tuple[float, ...
     """Axes and values of a command line; an empty tuple stands for the default values.
 
     Args:
-        words: Such as `beta=0,1e-5`, `tolerance` or `beta,tolerance`.
+        words: Such as `beta=0,1e-5` or `tolerance`.
         option: What they were given to, for errors.
     """
     found: dict[str, tuple[float, ...]] = {}
-    for word in words:
-        names, equals, text = word.partition("=")
-        values: tuple[float, ...] = ()
-        if equals:
-            numbers = [number_in(part) for part in text.split(",")]
-            values = tuple(number for number in numbers if number is not None)
-            if len(values) < len(numbers) or len(set(values)) < len(values):
-                raise SceneError(option, shown(word), ALLOWED)
-        several = [name.strip() for name in names.split(",")]
-        for name in several:
-            axis_called(name, option)
-            if name in found or (equals and len(several) > 1):
-                raise SceneError(option, shown(word), f"{ALLOWED}, each name once")
-            found[name] = values
+    for name, texts in by_name(option, words, ALLOWED).items():
+        axis_called(name, option)
+        numbers = [number_in(text) for text in texts]
+        found[name] = tuple(number for number in numbers if number is not None)
+        if len(set(found[name])) < len(texts):
+            raise SceneError(option, shown(f"{name}={','.join(texts)}"), ALLOWED)
     return found
 
 
@@ -503,13 +495,14 @@ def sweep(base: BaseScene, of: Sequence[str], at: Sequence[str]) -> Sweep:
         raise SceneError("--at", shown(" ".join(at)), "one axis that is not swept itself")
     others: list[tuple[Axis, float] | None] = [None]
     for name, values in repeated.items():
-        others = [(AXES[name], v) for v in values or AXES[name].values(base.scene, base.block)]
+        axis = AXES[name]
+        others = [(axis, v) for v in sorted(values or axis.values(base.scene, base.block))]
     own = base.case()
     cases, swept, left_out = {own.key: own}, [], []
     for axis in (axis for name, axis in AXES.items() if name in axes):
-        given = sorted(axes[axis.name])
+        given = axes[axis.name]
         for other in others:
-            for number, value in enumerate(given or axis.values(base.scene, base.block)):
+            for number, value in enumerate(sorted(given or axis.values(base.scene, base.block))):
                 try:
                     case = base.case(*([other] if other else []), (axis, value))
                 except SceneError as error:
@@ -521,10 +514,9 @@ def sweep(base: BaseScene, of: Sequence[str], at: Sequence[str]) -> Sweep:
                 cases.setdefault(case.key, case)
                 repetition = other[1] if other else None
                 swept.append(SweptValue(axis=axis, value=value, at=repetition, case=case.key))
-    order = {name: number for number, name in enumerate(AXES)}
     return Sweep(
         base=own.key,
-        values=tuple(sorted(swept, key=lambda v: (order[v.axis.name], v.at or 0.0, v.value))),
+        values=tuple(swept),
         at=others[0][0] if others[0] else None,
         cases=tuple(cases.values()),
         left_out=tuple(left_out),

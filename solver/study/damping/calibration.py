@@ -118,39 +118,20 @@ def target_of(word: str, scene: Scene, block: BlockSpec, impacts: int) -> Target
         # Energies between peaks mean nothing where the base, or an incline, does work.
         allowed = "restitution=NUMBER unless a block is released from a tilt on level ground"
         raise SceneError("--target", shown(word), allowed)
-    time, angle = read_history(Path(text))
-    peaks = measured_peaks(time, angle)
-    damping = scene.damping_of(block)
-    swing = block.shape, scene.gravity, damping.mass if damping else 0.0
-    side = -1 if block.tilt < 0 else 1
-    target = _of_history(Path(text), swing, peaks, impacts, (time, angle), side)
+    history = read_history(Path(text))
+    peaks, side = measured_peaks(*history), -1 if block.tilt < 0 else 1
+    balance = block.shape.slenderness(side)
+    if peaks and peaks[0] >= balance:
+        got = f"a peak of {peaks[0]:.3g} rad, beyond the block's balance at {balance:.3g}"
+        raise SceneError(text, got, COLUMNS)
+    if len(peaks) < 2:
+        raise SceneError(text, f"{len(peaks)} peaks", "a release and a peak on the other side")
     released, tilt = math.degrees(peaks[0]), math.degrees(abs(block.tilt))
     if abs(released - tilt) > RELEASE * tilt:
         allowed = f"that of a release from {tilt:.3g} as in the scene, or another block.tilt_deg"
         raise SceneError(text, f"a history that begins at {released:.3g} degrees", allowed)
-    return target
-
-
-def _of_history(
-    file: Path,
-    swing: tuple[Block, float, float],
-    peaks: Sequence[float],
-    impacts: int,
-    history: tuple[Array, Array],
-    side: int,
-) -> Target:
-    """The target of measured peaks (rad), that of the release included.
-
-    Swings are those of a shape, under gravity (m/s2), with lambda of the scene (1/s), over one edge
-    and the other in turn; the side is that of the release.
-    """
-    shape, gravity, drag = swing
-    balance = shape.slenderness(side)
-    if peaks and peaks[0] >= balance:
-        got = f"a peak of {peaks[0]:.3g} rad, beyond the block's balance at {balance:.3g}"
-        raise SceneError(f"{file}", got, COLUMNS)
-    if len(peaks) < 2:
-        raise SceneError(f"{file}", f"{len(peaks)} peaks", "a release and a peak on the other side")
+    damping = scene.damping_of(block)
+    shape, gravity, drag = block.shape, scene.gravity, damping.mass if damping else 0.0
     count = min(impacts, len(peaks) - 1)
     kept = peaks[: count + 1]
     sides = [side * (-1) ** number for number in range(len(kept))]

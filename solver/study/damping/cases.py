@@ -131,7 +131,7 @@ class SweepStudy(_Impacts):
         from solver.study.damping.picture import history_picture, restitution_picture
 
         if lines:
-            restitution_picture(lines, own, self.sweep.at, self.folder / "damping.png")
+            self.draw("damping.png", restitution_picture, lines, own, self.sweep.at)
         for line in lines if self.options.histories else ():
             curves = {
                 f"{line.axis.key} {swept.value:g} {line.axis.unit}".strip(): self.kept_angle(
@@ -141,7 +141,7 @@ class SweepStudy(_Impacts):
                 if (swept.axis, swept.at) == (line.axis, line.at) and swept.value in line.values
             }
             at = "" if line.at is None else f"_{line.at:g}"
-            history_picture(curves, self.folder / f"histories_{line.axis.name}{at}.png")
+            self.draw(f"histories_{line.axis.name}{at}.png", history_picture, curves)
 
     def say(self, text: str) -> None:
         """Say what was found, what failed among it, and where it is."""
@@ -260,8 +260,8 @@ class Calibration(_Impacts):
             change = self.axis, best.value
             write(self.folder / "calibrated.toml", tomli_w.dumps(self.base.with_values(change)))
             angle = self.kept_angle(self.base.case(change).key)
-        file = self.folder / "calibration.png"
-        calibration_picture(search, target, self.axis.label, angle, file)
+        label = self.axis.label
+        self.draw("calibration.png", calibration_picture, search, target, label, angle)
         if best is not None and not self.good:
             told.append(f"no run came nearer than {search.best_error:.4f}: impacts scatter")
         return numbers.plain_text(cells, told)

@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 from solver.study.damping.axes import Axis, Sweep, SweptValue
-from solver.study.tables import in_columns, in_markdown
+from solver.study.tables import groups, in_columns, in_markdown
 
 LEAST_ORDER, MOST_ORDER = 0.5, 2.0
 """Orders of convergence that are believed; no more than the second is relied on."""
@@ -184,10 +184,8 @@ def lines(sweep: Sweep, rows: Rows, impacts: int) -> list[Line]:
         rows: What is finished.
         impacts: Number of impacts that count.
     """
-    groups: dict[tuple[str, float | None], list[SweptValue]] = {}
-    for swept in sweep.values:
-        groups.setdefault((swept.axis.name, swept.at), []).append(swept)
-    return [_line(group, rows, impacts) for group in groups.values()]
+    several = groups(sweep.values, lambda swept: (swept.axis.name, swept.at))
+    return [_line(group, rows, impacts) for group in several.values()]
 
 
 def _line(group: Sequence[SweptValue], rows: Rows, impacts: int) -> Line:
@@ -300,27 +298,19 @@ def measures(found: Restitution) -> dict[str, Any]:
 
 def words(table: Sequence[Mapping[str, Any]], sweep: Sweep, impacts: int) -> list[list[str]]:
     """The most important columns as words, the heading first."""
-    numbers = range(1, impacts + 1)
-    at = [] if sweep.at is None else [sweep.at.name]
-    heading = ["axis", "value", *at, "restitution", "± error"]
-    heading += [*(f"impact {k}" for k in numbers), "damping", "unresolved", "steps", "wall s"]
-    found = [heading]
+    at = [] if sweep.at is None else [(sweep.at.name, sweep.at.name, "g")]
+    each = [(f"restitution_{k}", f"impact {k}", ".4f") for k in range(1, impacts + 1)]
+    columns = [
+        *(("axis", "axis", ""), ("value", "value", "g"), *at),
+        *(("restitution", "restitution", ".4f"), ("standard_error", "± error", ".4f"), *each),
+        *(("loss.damping", "damping", ".0%"), ("unresolved", "unresolved", ".0%")),
+        *(("steps", "steps", "d"), ("wall_s", "wall s", ".1f")),
+    ]
+    found = [[heading for _, heading, _ in columns]]
     for row in table:
         unresolved = _sum(row, "loss.contact", "loss.numerical")
-        found.append(
-            [
-                row["axis"] or "the scene",
-                _number(row["value"], "g"),
-                *(_number(row.get(key), "g") for key in at),
-                _number(row.get("restitution"), ".4f"),
-                _number(row.get("standard_error"), ".4f"),
-                *(_number(row.get(f"restitution_{k}"), ".4f") for k in numbers),
-                _number(row.get("loss.damping"), ".0%"),
-                _number(unresolved, ".0%"),
-                _number(row.get("steps"), "d"),
-                _number(row.get("wall_s"), ".1f"),
-            ]
-        )
+        told = {**row, "axis": row["axis"] or "the scene", "unresolved": unresolved}
+        found.append([_number(told.get(key), form) for key, _, form in columns])
     return found
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -20,18 +19,21 @@ from solver.pictures.style import (
     colour,
     legend_above,
     new_figure,
-    save,
     zero_line,
 )
 from solver.study.damping.axes import Axis
 from solver.study.damping.calibration import Search, Target, Trial
 from solver.study.damping.numbers import Line, Restitution
+from solver.study.tables import groups
 from solver.types import Array
 
 MARKERS = "osD^vP"
 
 FEW_VALUES = 5
 """Values up to this number are all named on their axis."""
+
+APART = 1.04
+"""Factor of the values at which a line is drawn, over those of the line before; not linear ones."""
 
 PANEL_HEIGHT = 2.1
 """Height of one of several panels, in."""
@@ -46,30 +48,22 @@ Angles = tuple[Array, Array]
 """Times (s) and angles (rad)."""
 
 
-def restitution_picture(
-    lines: Sequence[Line], own: Restitution | None, at: Axis | None, file: Path
-) -> Path:
-    """Draw restitution against each axis; returns the file.
+def restitution_picture(lines: Sequence[Line], own: Restitution | None, at: Axis | None) -> Figure:
+    """Restitution against each axis, a panel for each.
 
     Args:
         lines: What was measured.
         own: Restitution of the scene as it is.
         at: The axis that all is repeated for.
-        file: To be written.
     """
-    return save(lambda: _restitutions(lines, own, at), file)
-
-
-def _restitutions(lines: Sequence[Line], own: Restitution | None, at: Axis | None) -> Figure:
-    """A panel for each axis."""
-    names = list(dict.fromkeys(line.axis.name for line in lines))
-    columns = 1 if len(names) == 1 else 2
-    rows = math.ceil(len(names) / columns)
+    swept = groups(lines, lambda line: line.axis.name).values()
+    columns = 1 if len(swept) == 1 else 2
+    rows = math.ceil(len(swept) / columns)
     figure = new_figure(3.2 if rows == 1 else PANEL_HEIGHT * rows + 0.4)
     panels = figure.subplots(rows, columns, squeeze=False, sharey=True).ravel()
-    for axes, name in zip(panels, names, strict=False):
-        _panel(axes, [line for line in lines if line.axis.name == name], own, at)
-    for axes in panels[len(names) :]:
+    for axes, inside in zip(panels, swept, strict=False):
+        _panel(axes, inside, own, at)
+    for axes in panels[len(swept) :]:
         axes.set_visible(False)
     for axes in panels[::columns]:
         axes.set_ylabel("restitution")
@@ -90,7 +84,8 @@ def _panel(axes: Axes, lines: Sequence[Line], own: Restitution | None, at: Axis 
     """The points of one axis, the limit, the scene as it is."""
     axis = lines[0].axis
     axes.set_xlabel(f"{axis.label}, {axis.meaning}")
-    place = _Places([value for line in lines for value in line.values])
+    _scale(axes, sorted({value for line in lines for value in line.values}))
+    apart = 1.0 if axes.get_xscale() == "linear" else APART
     for number, line in enumerate(lines):
         mean = np.array(line.means)
         least = np.array([min(found.known) for found in line.found])
@@ -99,7 +94,7 @@ def _panel(axes: Axes, lines: Sequence[Line], own: Restitution | None, at: Axis 
         if at is not None and line.at is not None:
             label = f"{at.name} {line.at:g}"
         axes.errorbar(
-            place.of(line.values, number), mean,
+            apart**number * np.array(line.values), mean,
             yerr=np.array([mean - least, largest - mean]), color=colour(number),
             marker=MARKERS[number % len(MARKERS)], markersize=3.5, capsize=2.5, elinewidth=0.8,
             linewidth=0.8, label=label,
@@ -113,55 +108,21 @@ def _panel(axes: Axes, lines: Sequence[Line], own: Restitution | None, at: Axis 
             )  # fmt: skip
     if own is not None and own.mean is not None:
         axes.axhline(own.mean, color=GREY, linewidth=0.7, linestyle=":", label="the scene")
-    place.ticks(axes)
 
 
-class _Places:
-    """Places of values on an axis, logarithmic where they differ much; zero is at its left end."""
-
-    def __init__(self, values: Sequence[float]):
-        self._values = sorted(set(values))
-        positive = [value for value in self._values if value > 0]
-        self._logarithmic = bool(positive) and positive[-1] > 3 * positive[0]
-        self._zero = 0.0
-        if self._logarithmic and self._values[0] == 0:
-            self._zero = positive[0] * (positive[0] / positive[-1]) ** 0.15
-
-    def of(self, values: Sequence[float], number: int) -> list[float]:
-        """Places of the values of a line; lines are set apart by a little."""
-        apart = 1 + 0.04 * number if self._logarithmic else 1.0
-        return [apart * (value or self._zero) for value in values]
-
-    def ticks(self, axes: Axes) -> None:
-        """Scale and ticks."""
-        if self._logarithmic:
-            axes.set_xscale("log")
-        if len(self._values) <= FEW_VALUES:
-            names = [f"{value:g}".replace("e+", "e").replace("e0", "e") for value in self._values]
-            axes.set_xticks(self.of(self._values, 0), names, fontsize="small")
-            axes.set_xticks([], minor=True)
-        elif self._zero:
-            low, high = axes.get_xlim()
-            ticks = [tick for tick in axes.get_xticks() if 1.5 * self._zero < tick <= high]
-            powers = [f"$10^{{{round(math.log10(tick))}}}$" for tick in ticks]
-            minor = [tick for tick in axes.get_xticks(minor=True) if tick > self._values[1]]
-            axes.set_xticks([self._zero, *ticks], ["0", *powers])
-            axes.set_xticks(minor, minor=True)
-            axes.set_xlim(low, high)
+def _scale(axes: Axes, values: Sequence[float]) -> None:
+    """Scale and ticks for increasing values: logarithmic where they differ much, linear to zero."""
+    positive = [value for value in values if value > 0]
+    if positive and positive[-1] > 3 * positive[0]:
+        axes.set_xscale("symlog", linthresh=positive[0], linscale=0.5)
+    if len(values) <= FEW_VALUES:
+        names = [f"{value:g}".replace("e+", "e").replace("e0", "e") for value in values]
+        axes.set_xticks(values, names, fontsize="small")
+        axes.set_xticks([], minor=True)
 
 
-def history_picture(curves: Mapping[str, Angles], file: Path) -> Path:
-    """Draw angles against time; returns the file.
-
-    Args:
-        curves: Angles of runs, by label.
-        file: To be written.
-    """
-    return save(lambda: _histories(curves), file)
-
-
-def _histories(curves: Mapping[str, Angles]) -> Figure:
-    """All curves in one panel."""
+def history_picture(curves: Mapping[str, Angles]) -> Figure:
+    """The angles of runs against time, by their labels, in one panel."""
     figure = new_figure(3.2)
     axes = figure.subplots()
     for number, (label, (time, angle)) in enumerate(distinct_curves(curves).items()):
@@ -181,23 +142,15 @@ def distinct_curves(curves: Mapping[str, Angles]) -> dict[str, Angles]:
     return {name: curves[name] for name in names}
 
 
-def calibration_picture(
-    search: Search, target: Target, label: str, best: Angles | None, file: Path
-) -> Path:
-    """Draw a calibration; returns the file.
+def calibration_picture(search: Search, target: Target, label: str, best: Angles | None) -> Figure:
+    """A calibration: one panel, or two with a measured history.
 
     Args:
         search: Its runs.
         target: What they are compared with.
         label: Name and unit of the parameter.
         best: The angle of the best run, beside a measured history; None: no panel of it.
-        file: To be written.
     """
-    return save(lambda: _figure(search, target, label, best), file)
-
-
-def _figure(search: Search, target: Target, label: str, best: Angles | None) -> Figure:
-    """One panel, or two with a measured history."""
     both = target.history is not None and best is not None
     figure = new_figure(5.4 if both else 3.0)
     panels = figure.subplots(2 if both else 1, 1, squeeze=False)[:, 0]

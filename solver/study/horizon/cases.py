@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -16,12 +15,14 @@ from solver.errors import SceneError
 from solver.results.endings import cut_short, overturned_at
 from solver.results.motion import lean_over_alpha
 from solver.run.simulate import simulate
-from solver.run.twin import APART, difference, horizon, refuse_without_twin, twin_of
+from solver.run.twin import difference, horizon, refuse_without_twin, twin_of
 from solver.scene import Scene, parse_scene
 from solver.study.horizon.numbers import NAMES, as_text, growth, twin_rows
 from solver.study.scenes import scene_tables, with_model
 from solver.study.study import SUMMARY, Row, Study, numbers, words
 from solver.study.tables import as_csv, write
+
+ENGINES = ("rigid", "elastic")
 
 POINTS = 400
 """Times at which the difference of both is kept for the picture."""
@@ -68,7 +69,6 @@ class HorizonCase:
             "engine": self.engine,
             "scale": self.scale,
             "end_s": first.summary["end_s"],
-            "apart": APART,
             "cut_short": cut_short(first.summary),
             "overturned": any(overturned_at(first.history, b) is not None for b in scene.blocks),
             "peak": max(leans),
@@ -119,7 +119,7 @@ class HorizonStudy(Study[HorizonCase]):
                 tables=tables,
                 folder=options.scene.parent,
             )
-            for engine in _engines(options.engines)
+            for engine in words("--engines", options.engines, ENGINES) or (None,)
             for scale in scales
         ]
         scenes = {case.name: case.scene() for case in self.wanted}
@@ -143,13 +143,5 @@ class HorizonStudy(Study[HorizonCase]):
         write(self.folder / "horizon.csv", as_csv(twins, NAMES))
         write(self.folder / "horizon.txt", text)
         write(self.folder / SUMMARY, {"twins": twins, "runs": rates})
-        horizon_picture(done, self.folder / "horizon.png")
+        self.draw("horizon.png", horizon_picture, done)
         return text
-
-
-def _engines(text: str | None) -> Iterator[str | None]:
-    """Engines of a command line; None where it names none: the scene as it is."""
-    if not text:
-        yield None
-    else:
-        yield from words("--engines", text, ("rigid", "elastic"))

@@ -19,12 +19,13 @@ from solver.excitation.sampled import SampledMotion
 from solver.run.simulate import simulate
 from solver.scene import parse_scene, scene_to_toml
 from solver.study.inertia.cells import Cell, Structure, cells_of, chosen, ladder, tables_of
-from solver.study.inertia.numbers import Finding, Line, grid, widest
+from solver.study.inertia.numbers import Finding, Line, csv_text, entry_of, grid, markdown, widest
 from solver.study.inertia.sliding import STEPS, fixed_drifts, jumps, peaks
 from solver.study.scenes import Tables, refuse_components, refuse_joined, scene_tables
 from solver.study.study import SUMMARY, Row, Study, digest
 from solver.study.suite.cases import SuiteCase, scene_of
 from solver.study.suite.motions import SuiteMotion, find_motions
+from solver.study.tables import write
 
 COUNT = 300
 """Default number of synthetic motions."""
@@ -96,8 +97,9 @@ class SlidingCase:
         }
 
     def _ground(self, motion: SuiteMotion) -> SampledMotion:
-        """The motion of the ground along x."""
-        along, *others = scene_of(_suite_case(motion, self.tables, self.folder))[1].parts
+        """The motion of the ground along x, held against the scene's limits."""
+        case = SuiteCase(motion=motion, tables=self.tables, folder=self.folder)
+        along, *others = scene_of(case)[1].parts
         if not isinstance(along, SampledMotion) or any(others):
             raise Statement(motion.name, "is no motion given by samples along x alone")
         return along
@@ -155,25 +157,11 @@ def block_cases(
         BlockCase(
             name=f"{ENGINES[how]}, {values}, {motion.name}",
             key=digest([said, motion.held]),
-            case=_suite_case(motion, resolved, folder),
+            case=SuiteCase(motion=motion, tables=resolved, folder=folder),
             unit_pga=unit_pga,
         )
         for motion in motions
     ]
-
-
-def _suite_case(motion: SuiteMotion, tables: Mapping[str, Any], folder: Path) -> SuiteCase:
-    """A case of a suite, which reads the motion and holds it against the scene's limits."""
-    return SuiteCase(
-        name=motion.name,
-        motion=motion,
-        varied=(),
-        tables=tables,
-        folder=folder,
-        tail=0.0,
-        reference=False,
-        keep=None,
-    )
 
 
 class InertiaStudy(Study[SlidingCase | BlockCase]):
@@ -292,27 +280,41 @@ class InertiaStudy(Study[SlidingCase | BlockCase]):
 
     def write(self) -> str:
         """Write tables, pictures and page once all sliding blocks are known."""
-        from solver.study.inertia.page import write_all
+        from solver.study.inertia.page import draw_pictures, inertia_page
 
         lines = self.lines()
         if not lines:
             return ""
+        findings = self.findings(lines)
         failed = {
             case.name: self.rows[key]["reason"]
             for key, case in self.cases.items()
             if self.rows.get(key, {}).get("status") == "failed"
         }
+        failures = [f"{name}: {reason}" for name, reason in sorted(failed.items())]
         title = self.scene.title or self.options.scene.stem
-        return write_all(
-            self.folder,
-            list(lines.values()),
-            self.findings(lines),
-            failed,
-            self.notes,
-            title=f"Portion of the live load that counts as inertia: {title}",
+        title = f"Portion of the live load that counts as inertia: {title}"
+        text = markdown(title, findings, failures, self.notes)
+        summary = {
+            "motions": findings[0].motions,
+            "notes": self.notes,
+            "widest_half_interval": widest(findings),
+            "cells": [entry_of(finding) for finding in findings],
+            "failed": dict(sorted(failed.items())),
+        }
+        write(self.folder / "inertia.csv", csv_text(findings))
+        write(self.folder / "inertia.md", text)
+        write(self.folder / SUMMARY, summary)
+        page = inertia_page(
+            findings,
+            draw_pictures(self.folder, list(lines.values()), findings),
+            failures,
+            title=title,
             scene=scene_to_toml(self.scene),
             command=command_of(self.options),
         )
+        write(self.folder / "inertia.html", page)
+        return text
 
 
 def command_of(options: argparse.Namespace) -> str:

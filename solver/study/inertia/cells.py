@@ -14,6 +14,7 @@ from solver.excitation.layouts.text import number_in
 from solver.scene import BlockSpec, Platform, Scene, parse_scene
 from solver.scene.checking import nearest, shown
 from solver.scene.time import rounded_down
+from solver.study.study import by_name
 
 AXES = {
     "period": "period T of the empty structure (s)",
@@ -24,6 +25,9 @@ AXES = {
     "aspect": "height over width of the blocks, H/B",
 }
 """Names of the axes, and what they are called in pictures."""
+
+OF_STRUCTURE = ("period", "mass_ratio", "damping_ratio")
+"""Axes that are numbers of the structure."""
 
 DEFAULT = (
     "period=0.25,0.5,0.75,1,1.5,2",
@@ -82,15 +86,12 @@ class Cell:
 def chosen(words: Sequence[str]) -> dict[str, tuple[float, ...]]:
     """Axes and values of a command line."""
     found: dict[str, tuple[float, ...]] = {}
-    for word in words or DEFAULT:
-        name, equals, text = (part.strip() for part in word.partition("="))
+    for name, texts in by_name("--of", words or DEFAULT, ALLOWED).items():
         if name not in AXES:
-            raise SceneError("--of", shown(word), ALLOWED, nearest(name, list(AXES)))
-        numbers = [number_in(part) for part in text.split(",")] if equals else []
-        values = tuple(number for number in numbers if number is not None)
-        good = len(values) == len(numbers) == len(set(values)) and min(values, default=0) > 0
-        if not good or name in found:
-            raise SceneError("--of", shown(word), f"{ALLOWED}, positive numbers, each name once")
+            raise SceneError("--of", shown(name), ALLOWED, nearest(name, list(AXES)))
+        values = {number_in(text) or 0.0 for text in texts}
+        if not values or len(values) < len(texts) or not all(value > 0 for value in values):
+            raise SceneError(f"--of {name}", shown(",".join(texts)), "positive numbers, each once")
         found[name] = tuple(sorted(values))
     if {"friction", "friction_over_pga"} <= found.keys():
         raise SceneError("--of", "friction and friction_over_pga", "one of them")
@@ -139,16 +140,11 @@ def cells_of(scene: Scene, axes: Mapping[str, tuple[float, ...]]) -> tuple[Cell,
     made = []
     for combination in itertools.product(*axes.values()):
         values = dict(zip(axes, combination, strict=True))
-        structure = replace(
-            base,
-            mass_ratio=values.get("mass_ratio", base.mass_ratio),
-            period=values.get("period", base.period),
-            damping_ratio=values.get("damping_ratio", base.damping_ratio),
-        )
+        own: dict[str, Any] = {name: values[name] for name in OF_STRUCTURE if name in values}
         made.append(
             Cell(
                 values=tuple(values.items()),
-                structure=structure,
+                structure=replace(base, **own),
                 friction=values.get("friction_over_pga", values.get("friction", friction)),
                 aspect=values.get("aspect"),
             )

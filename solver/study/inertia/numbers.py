@@ -341,6 +341,15 @@ def row_of(finding: Finding) -> dict[str, Any]:
     }
 
 
+def entry_of(finding: Finding) -> dict[str, Any]:
+    """A cell for programs."""
+    return row_of(finding) | {
+        "roots": list(finding.arithmetic.roots),
+        "roots_geometric": list(finding.geometric.roots),
+        "resampled_without": finding.arithmetic.without,
+    }
+
+
 def widest(findings: Sequence[Finding]) -> float:
     """Largest half width of an interval among the cells that have a lambda."""
     known = [f.arithmetic.half_width for f in findings if f.arithmetic.value is not None]

@@ -1,15 +1,15 @@
-"""Files of the study: tables, pictures, and one HTML page that needs no other file.
+"""Pictures of the study, and one HTML page that needs no other file.
 
 Nothing in it depends on how long the study took, nor on how often it was stopped.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from html import escape
 from pathlib import Path
-from typing import Any
 
 from solver.info import versions
 from solver.pictures.html import (
@@ -21,15 +21,13 @@ from solver.pictures.html import (
     table,
     verbatim,
 )
+from solver.pictures.style import save
 from solver.study.inertia.numbers import (
     CODE_VALUES,
     SLIDING,
     WANTED,
     Finding,
     Line,
-    csv_text,
-    markdown,
-    row_of,
     widest,
     words,
 )
@@ -40,8 +38,7 @@ from solver.study.inertia.picture import (
     of_shear,
     roots_picture,
 )
-from solver.study.study import SUMMARY
-from solver.study.tables import write
+from solver.study.tables import groups
 
 DEFINITION = (
     "λ is the portion of the live load that, rigidly attached to the linear structure of the same "
@@ -60,43 +57,25 @@ Picture = tuple[str, Path]
 """Caption of a picture, and its file."""
 
 
-def write_all(
-    folder: Path,
-    lines: Sequence[Line],
+def inertia_page(
     findings: Sequence[Finding],
-    failed: Mapping[str, str],
-    notes: Sequence[str],
+    pictures: Sequence[Picture],
+    failures: Sequence[str],
     *,
     title: str,
     scene: str,
     command: str,
 ) -> str:
-    """Write all that the study leaves besides the numbers of its runs; returns its table in words.
+    """The page, which needs no other file.
 
     Args:
-        folder: Of the study.
-        lines: The structures.
         findings: Of all cells.
-        failed: Names of runs that failed, and why.
-        notes: On the motions.
+        pictures: Of them.
+        failures: Runs that failed, and why.
         title: Of the study.
         scene: Its text.
         command: What repeats the study.
     """
-    failures = [f"{name}: {reason}" for name, reason in sorted(failed.items())]
-    write(folder / "inertia.csv", csv_text(findings))
-    text = markdown(title, findings, failures, notes)
-    write(folder / "inertia.md", text)
-    summary = {
-        "motions": findings[0].motions,
-        "notes": list(notes),
-        "widest_half_interval": widest(findings),
-        "cells": [_entry(finding) for finding in findings],
-        "failed": dict(sorted(failed.items())),
-    }
-    write(folder / SUMMARY, summary)
-    for old in folder.glob("*.png"):
-        old.unlink()
     known = versions()  # of what is loaded: with MPI more than without
     of_codes = [f"{value.portion:g}: {value.source}" for value in CODE_VALUES]
     parts = [
@@ -104,7 +83,7 @@ def write_all(
         heading("What λ is"),
         *paragraphs(DEFINITION),
         heading("Pictures"),
-        *(figure(text, file) for text, file in _pictures(folder, lines, findings)),
+        *(figure(text, file) for text, file in pictures),
         heading("Numbers"),
         table(words(findings)),
         *((heading("Runs that failed"), items(failures)) if failures else ()),
@@ -117,17 +96,7 @@ def write_all(
         heading("Versions"),
         items(f"{name} {known[name]}" for name in ("rockslip", "python", "numpy")),
     ]
-    write(folder / "inertia.html", document(title, parts))
-    return text
-
-
-def _entry(finding: Finding) -> dict[str, Any]:
-    """A cell for programs."""
-    return row_of(finding) | {
-        "roots": list(finding.arithmetic.roots),
-        "roots_geometric": list(finding.geometric.roots),
-        "resampled_without": finding.arithmetic.without,
-    }
+    return document(title, parts)
 
 
 def _sentences(findings: Sequence[Finding]) -> list[str]:
@@ -172,29 +141,31 @@ def _difference(findings: Sequence[Finding]) -> str:
     return " ".join(said)
 
 
-def _pictures(folder: Path, lines: Sequence[Line], findings: Sequence[Finding]) -> list[Picture]:
+def draw_pictures(
+    folder: Path, lines: Sequence[Line], findings: Sequence[Finding]
+) -> list[Picture]:
     """Draw all pictures; a set for each combination of the axes before the last two."""
+    for old in folder.glob("*.png"):
+        old.unlink()
     made: list[Picture] = []
-    groups: dict[tuple[tuple[str, float], ...], list[Finding]] = {}
-    for finding in findings:
-        groups.setdefault(finding.cell.values[:-2], []).append(finding)
-    for number, (values, group) in enumerate(groups.items(), start=1):
-        ending = f"_{number}" if len(groups) > 1 else ""
+    maps = groups(findings, lambda finding: finding.cell.values[:-2])
+    for number, (values, group) in enumerate(maps.items(), start=1):
+        ending = f"_{number}" if len(maps) > 1 else ""
         at = "".join(f", {name} {value:g}" for name, value in values)
         cut = [_without(finding, len(values)) for finding in group]
         text = f"λ with its interval of 90 %; dashed: values of codes{at}"
-        label, file = "portion of live load λ", folder / f"lambda{ending}.png"
-        made.append((text, curves_picture(cut, of_lambda, label, file)))
-        for by in dict.fromkeys(f.by for f in cut if len(f.cell.values) > 1):
-            own = [finding for finding in cut if finding.by == by]
+        curves = partial(curves_picture, cut, of_lambda, "portion of live load λ")
+        made.append((text, save(curves, folder / f"lambda{ending}.png")))
+        mapped = [finding for finding in cut if len(finding.cell.values) > 1]
+        for by, own in groups(mapped, lambda finding: finding.by).items():
             file = folder / f"map{ending}_{by.replace(' ', '_')}.png"
-            made.append((f"λ and half its interval of 90 %, {by}{at}", map_picture(own, file)))
-        label = "base shear / that of the fixed live load"
+            text = f"λ and half its interval of 90 %, {by}{at}"
+            made.append((text, save(partial(map_picture, own), file)))
         text = f"Mean peak base shear over that with the whole live load fixed; this is not λ{at}"
-        file = folder / f"base_shear{ending}.png"
-        made.append((text, curves_picture(cut, of_shear, label, file)))
+        curves = partial(curves_picture, cut, of_shear, "base shear / that of the fixed live load")
+        made.append((text, save(curves, folder / f"base_shear{ending}.png")))
     text = "Mean drift with a portion fixed; dots: roots reported, rings: further roots"
-    made.append((text, roots_picture(lines, findings, folder / "roots.png")))
+    made.append((text, save(partial(roots_picture, lines, findings), folder / "roots.png")))
     return made
 
 

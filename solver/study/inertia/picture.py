@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,7 +14,6 @@ from solver.pictures.style import (
     colour,
     legend_above,
     new_figure,
-    save,
     zero_line,
 )
 from solver.study.inertia.cells import AXES
@@ -51,12 +49,8 @@ def of_shear(finding: Finding) -> tuple[float, float, float] | None:
     return ratio, ratio, ratio
 
 
-def curves_picture(findings: Sequence[Finding], value: Value, label: str, file: Path) -> Path:
-    """Draw a value against the last axis, a curve for each value of the first; returns the file."""
-    return save(lambda: _curves(findings, value, label), file)
-
-
-def _curves(findings: Sequence[Finding], value: Value, label: str) -> Figure:
+def curves_picture(findings: Sequence[Finding], value: Value, label: str) -> Figure:
+    """A value against the last axis, a curve for each value of the first."""
     figure = new_figure(3.8)
     axes = figure.subplots()
     names = [name for name, _ in findings[0].cell.values]
@@ -123,12 +117,8 @@ def _code_lines(axes: Axes) -> None:
         )  # fmt: skip
 
 
-def map_picture(findings: Sequence[Finding], file: Path) -> Path:
-    """Draw a map of lambda with a number in each cell; returns the file."""
-    return save(lambda: _map(findings), file)
-
-
-def _map(findings: Sequence[Finding]) -> Figure:
+def map_picture(findings: Sequence[Finding]) -> Figure:
+    """A map of lambda with a number in each cell."""
     across, up = (name for name, _ in findings[0].cell.values[-2:])
     columns = sorted({f.cell.values[-2][1] for f in findings})
     rows = sorted({f.cell.values[-1][1] for f in findings})
@@ -152,13 +142,11 @@ def _map(findings: Sequence[Finding]) -> Figure:
     return figure
 
 
-def roots_picture(lines: Sequence[Line], findings: Sequence[Finding], file: Path) -> Path:
-    """Draw mean drift against lambda, with the drifts of the cells met on it; returns the file."""
-    return save(lambda: _roots(lines, findings), file)
+def roots_picture(lines: Sequence[Line], findings: Sequence[Finding]) -> Figure:
+    """Mean drift against lambda, a curve for each structure, with the drifts of cells met on it.
 
-
-def _roots(lines: Sequence[Line], findings: Sequence[Finding]) -> Figure:
-    """A curve for each structure: dots are the roots reported, rings the others."""
+    Dots are the roots reported, rings the others.
+    """
     figure = new_figure(3.8)
     axes = figure.subplots()
     for place, line in enumerate(lines[:MOST_LINES]):

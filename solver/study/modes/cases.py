@@ -6,6 +6,7 @@ import argparse
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 
 from mpi4py import MPI
 
@@ -135,7 +136,6 @@ class ModesCase:
     """One engine, one slenderness, one acceleration, all frictions.
 
     Attributes:
-        name: Its own in the study; also the name of its file.
         engine: "rigid" or "elastic".
         ratio: H/B.
         acceleration: A = a_g/g.
@@ -143,12 +143,16 @@ class ModesCase:
         frictions: Their coefficients.
     """
 
-    name: str
     engine: str
     ratio: float
     acceleration: float
     scenes: tuple[Scene, ...]
     frictions: tuple[float, ...]
+
+    @property
+    def name(self) -> str:
+        """Its own in the study; also the name of its file."""
+        return f"{self.engine},ratio={self.ratio:g},acceleration={self.acceleration:g}"
 
     def run(self) -> Row:
         """Run all frictions on one process; the row of the case, with a list of points."""
@@ -195,34 +199,23 @@ def cases_of(
         raise Statement("block", "has no young and poisson: add them, or choose --engines rigid")
     own = variant(tables, model="rigid").blocks[0].shape
     wanted = ratios or [float(f"{own.height / own.width:.6g}")]
-    return [
-        _case(tables, engine, ratio, float(acceleration), points)
-        for engine in engines
-        for ratio in wanted
-        for acceleration in _grid(ACCELERATIONS, points, ratio)
-    ]
+    found = []
+    for engine, ratio in product(engines, wanted):
+        frictions = tuple(_grid(FRICTIONS, points, ratio))
+        laws = (tables.get("contact", {}) | {"friction": friction} for friction in frictions)
+        scenes = tuple(scene_of(tables | {"contact": law}, engine, ratio) for law in laws)
+        found += [
+            ModesCase(
+                engine=engine, ratio=ratio, acceleration=a, scenes=scenes, frictions=frictions
+            )
+            for a in _grid(ACCELERATIONS, points, ratio)
+        ]
+    return found
 
 
 def _grid(ends: tuple[float, float], points: int, ratio: float) -> list[float]:
     """Values of a grid between ends over B/H."""
     return [float(f"{value / ratio:.5g}") for value in np.linspace(*ends, points)]
-
-
-def _case(tables: Tables, engine: str, ratio: float, acceleration: float, points: int) -> ModesCase:
-    """One acceleration of one map."""
-    frictions = _grid(FRICTIONS, points, ratio)
-    scenes = tuple(
-        scene_of(tables | {"contact": tables.get("contact", {}) | {"friction": mu}}, engine, ratio)
-        for mu in frictions
-    )
-    return ModesCase(
-        name=f"{engine},ratio={ratio:g},acceleration={acceleration:g}",
-        engine=engine,
-        ratio=ratio,
-        acceleration=acceleration,
-        scenes=scenes,
-        frictions=tuple(frictions),
-    )
 
 
 def scene_of(tables: Tables, engine: str, ratio: float) -> Scene:
@@ -262,8 +255,8 @@ class ModesStudy(Study[ModesCase]):
         super().__init__(options)
         if not 2 <= options.points <= 200:
             raise SceneError("--points", f"{options.points}", "2 <= points <= 200")
-        engines = words("--engines", options.engines, ENGINES) if options.engines else []
-        ratios = numbers("--ratios", options.ratios) if options.ratios else []
+        engines = words("--engines", options.engines, ENGINES)
+        ratios = numbers("--ratios", options.ratios)
         tables = standing_block(options)
         scene = variant(tables)
         refuse_uneven(scene, "in this study, which varies H/B of homogeneous blocks")
@@ -289,5 +282,5 @@ class ModesStudy(Study[ModesCase]):
         write(self.folder / "modes.csv", as_csv(points, NAMES))
         write(self.folder / "modes.txt", text)
         write(self.folder / SUMMARY, {"band": BAND, "maps": maps})
-        modes_picture(points, self.folder / "modes.png")
+        self.draw("modes.png", modes_picture, points)
         return text

@@ -7,7 +7,7 @@ from typing import Any
 
 from geometry.block import Block
 from solver.reference.initiation import initial_accelerations, initial_mode, near_boundary
-from solver.study.tables import in_columns
+from solver.study.tables import groups, in_columns
 
 Row = dict[str, Any]
 
@@ -59,20 +59,17 @@ def maps_of(points: Sequence[Row]) -> list[Row]:
     rocks the slip's in m/s^2, since it is a small difference of large numbers. Those of an elastic
     block are also given against a rigid one under the same ramp, which turns meanwhile as it does.
     """
-    keys = dict.fromkeys((point["engine"], point["ratio"]) for point in points)
-    return [
-        _map(key, [point for point in points if (point["engine"], point["ratio"]) == key])
-        for key in keys
-    ]
+    maps = groups(points, lambda point: (point["engine"], point["ratio"]))
+    return [_map(inside) for inside in maps.values()]
 
 
-def _map(key: tuple[str, float], points: Sequence[Row]) -> Row:
+def _map(points: Sequence[Row]) -> Row:
     """Agreement and errors of one map."""
     judged = [point for point in points if point["judged"]]
     right = [point for point in judged if point["agrees"]]
     found: Row = {
-        "engine": key[0],
-        "ratio": key[1],
+        "engine": points[0]["engine"],
+        "ratio": points[0]["ratio"],
         "points": len(points),
         "judged": len(judged),
         "agree": len(right),

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from solver.pictures.style import BLUE, GREEN, GREY, ORANGE, RED, legend_above, new_figure, save
+from solver.pictures.style import BLUE, GREEN, GREY, ORANGE, RED, legend_above, new_figure
 from solver.reference.initiation import initial_mode, rocking_friction
 from solver.study.modes.numbers import Row
 
@@ -22,12 +21,8 @@ MARGIN = 0.04
 ROUND: dict[str, Any] = {"markersize": 9, "markerfacecolor": "none", "markeredgewidth": 1.4}
 
 
-def modes_picture(points: Sequence[Row], file: Path) -> Path:
-    """Draw a panel for each engine and slenderness; returns the file."""
-    return save(lambda: _drawn(points), file)
-
-
-def _drawn(points: Sequence[Row]) -> Figure:
+def modes_picture(points: Sequence[Row]) -> Figure:
+    """A panel for each engine and slenderness."""
     engines = list(dict.fromkeys(point["engine"] for point in points))
     ratios = list(dict.fromkeys(point["ratio"] for point in points))
     figure = new_figure(2.6 * len(ratios) + 0.5)

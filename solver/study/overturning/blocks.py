@@ -196,7 +196,7 @@ class RigidUnderPulses:
         self._system.restore(copy.deepcopy(self._start))
         scale = amplitude * self._upright.unit
         ground, mean = scale * self._ground, scale * self._mean
-        swings, margin = _Swings(self._upright.shape.slenderness()), 0.0
+        fell, margin, angles = False, 0.0, list[Array]()
         last = self._shaken + math.ceil(RIGID_LATEST / (self._upright.frequency * self._step))
         first = 0
         while first < last:
@@ -207,37 +207,27 @@ class RigidUnderPulses:
             if outcome.failure:
                 raise RuntimeError(outcome.failure)
             rows, first = outcome.rows, stop
-            swings.follow(rows[:, self._angle])
+            angles.append(rows[:, self._angle])
             angle, spin = float(rows[-1, self._angle]), float(rows[-1, self._spin])
             if abs(angle) > 0.9 * math.pi / 2:
-                return Response(True, swings.impacts, margin if margin > 0 else 1.0)
-            if shaken and first < self._shaken:
+                fell, margin = True, max(margin, 0.0)
+                break
+            if first < self._shaken:
                 continue
             energy = float(sum(rows[-1, k] for k in self._energies))
             if first == self._shaken:
                 margin = self._upright.margin(energy, angle, spin)
-            if self._upright.falls(energy, angle, spin):
-                return Response(True, swings.impacts, abs(margin) or 1.0)
-            if self._upright.stays(energy, angle):
+            fell = self._upright.falls(energy, angle, spin)
+            if fell or self._upright.stays(energy, angle):
                 break
-        return Response(False, swings.impacts, -abs(margin) or -1.0)
+        least = SMALLEST_SWING * self._upright.shape.slenderness()
+        return Response.of(fell, _impacts(np.concatenate(angles), least), margin)
 
 
-class _Swings:
-    """Counts the impacts of a block: ends of swings that were more than a shiver."""
-
-    def __init__(self, slenderness: float):
-        """Begin with a block at rest of this slenderness, rad."""
-        self._least = SMALLEST_SWING * slenderness
-        self._side, self.impacts = 0.0, 0
-
-    def follow(self, angle: Array) -> None:
-        """Go on with some more angles, rad."""
-        sides = np.sign(angle[np.abs(angle) > self._least])
-        if len(sides):
-            before = sides[0] if self._side == 0.0 else self._side
-            self.impacts += int(np.count_nonzero(np.diff(sides, prepend=before)))
-            self._side = float(sides[-1])
+def _impacts(angle: Array, least: float) -> int:
+    """Impacts of a block: ends of swings with angles larger than the least one, rad."""
+    sides = np.sign(angle[np.abs(angle) > least])
+    return int(np.count_nonzero(np.diff(sides)))
 
 
 # ---------------------------------------------------------------- Housner's equation
@@ -275,9 +265,7 @@ class HousnerUnderPulses:
         swing = math.cos(lean) * self._upright.high(angle)
         inertia = block.shape.rotary_inertia_about_corner(_side(angle))
         margin = self._upright.margin(inertia * spin**2 / 2 + swing, angle, spin)
-        overturns = found.overturned
-        size = abs(margin) or 1.0
-        return Response(overturns, len(found.impacts), size if overturns else -size)
+        return Response.of(found.overturned, len(found.impacts), margin)
 
 
 # ---------------------------------------------------------------- an elastic block

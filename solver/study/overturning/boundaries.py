@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Self
 
 from scipy.optimize import minimize_scalar
 
@@ -31,6 +32,12 @@ class Response:
     margin: float
     """Positive where it overturns, negative where not; continuous in the amplitude as far as known:
     energy beyond that over the corner, over that which it takes to get there from upright."""
+
+    @classmethod
+    def of(cls, overturns: bool, impacts: int, margin: float) -> Self:
+        """The response whose margin has this size; 1 where that is not known."""
+        size = abs(margin) or 1.0
+        return cls(overturns, impacts, size if overturns else -size)
 
     @property
     def label(self) -> str:

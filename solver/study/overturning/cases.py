@@ -10,7 +10,6 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from itertools import pairwise, product
-from typing import TypeVar
 
 import numpy as np
 
@@ -29,8 +28,6 @@ from solver.study.overturning.numbers import NAMES, as_text, boundary_rows, diff
 from solver.study.scenes import Tables, is_elastic, standing_block, variant
 from solver.study.study import SUMMARY, Row, Study, numbers, words
 from solver.study.tables import as_csv, write
-
-Value = TypeVar("Value")
 
 ENOUGH_FRICTION = 1.7
 """Friction with which no block slides that a sudden acceleration can rock (Shenton 1996)."""
@@ -77,26 +74,14 @@ class OverturningCase:
 
     def run(self) -> Row:
         """Find the boundaries on one process; the row of the case, with a list of them."""
-        runs = 0
-
-        def counted(respond: Callable[[float], Value]) -> Callable[[float], Value]:
-            def respond_and_count(amplitude: float) -> Value:
-                nonlocal runs
-                runs += 1
-                return respond(amplitude)
-
-            return respond_and_count
-
-        pulse, found = PULSES[self.pulse], list[Boundary]()
+        pulse = PULSES[self.pulse]
         if self.engine == "rigid":
             block = RigidUnderPulses(self.scene(), pulse, self.frequency)
-            found = boundaries(counted(block), self.amplitudes, TOLERANCE["rigid"])
+            found = boundaries(block, self.amplitudes, TOLERANCE["rigid"])
         elif self.engine == "ode":
-            equation = HousnerUnderPulses(self.scene(), pulse, self.frequency)
-            found = self._beside(counted(equation))
+            found = self._beside(HousnerUnderPulses(self.scene(), pulse, self.frequency))
         else:
-            fate = partial(elastic_fate, self.tables, pulse, self.frequency)
-            found = self._near(counted(fate))
+            found = self._near(partial(elastic_fate, self.tables, pulse, self.frequency))
         return {
             "status": "completed",
             "reason": "",
@@ -104,7 +89,6 @@ class OverturningCase:
             "pulse": self.pulse,
             "frequency": self.frequency,
             "restitution": self.restitution,
-            "runs": runs,
             "boundaries": [asdict(each) for each in found],
         }
 
@@ -156,7 +140,7 @@ class OverturningStudy(Study[OverturningCase]):
         scanned = numbers("--amplitudes", options.amplitudes)
         if options.amplitudes.count(":") != 2 or len(scanned) < 3 or scanned[-1] <= scanned[0]:
             raise SceneError("--amplitudes", options.amplitudes, "LOW:HIGH:COUNT, COUNT >= 3")
-        restitutions = numbers("--restitution", options.restitution) if options.restitution else []
+        restitutions = numbers("--restitution", options.restitution)
         if any(e > 1 for e in restitutions):
             raise SceneError("--restitution", options.restitution, "0 < e <= 1")
         if not 0 <= options.rounds <= 10:
@@ -231,7 +215,6 @@ class OverturningStudy(Study[OverturningCase]):
         write(self.folder / "overturning.csv", as_csv(edges, NAMES))
         write(self.folder / "overturning.txt", text)
         counts = {"cases": len(self.cases), "completed": len(done)}
-        counts["runs"] = sum(row["runs"] for row in done)
         write(self.folder / SUMMARY, counts | {"largest_difference": differences(edges)})
         self._draw(done)
         return text
@@ -249,10 +232,10 @@ class OverturningStudy(Study[OverturningCase]):
             if row["engine"] == "elastic" or (row["engine"] == "ode" and row["restitution"] == e)
         ]
         if len({row["frequency"] for row in first}) > 1:
-            file = self.folder / "overturning.png"
-            overturning_picture(first, others, self._title(e), self.amplitudes[-1], file)
+            told = others, self._title(e), self.amplitudes[-1]
+            self.draw("overturning.png", overturning_picture, first, *told)
         if len(self.restitutions) > 1 and len({row["frequency"] for row in rigid}) <= 6:
-            restitution_picture(rigid, self._title(), self.folder / "restitution.png")
+            self.draw("restitution.png", restitution_picture, rigid, self._title())
 
     def _title(self, restitution: float | None = None) -> str:
         """Slenderness, restitution and friction of the rigid block, in words."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,11 +20,11 @@ from solver.pictures.style import (
     colour,
     legend_above,
     new_figure,
-    save,
 )
 from solver.study.overturning.blocks import PULSES
 from solver.study.overturning.boundaries import DIRECTLY, LATER, STAYS
 from solver.study.overturning.numbers import LINEAR, kinds
+from solver.study.tables import groups
 
 Row = Mapping[str, Any]
 
@@ -34,26 +33,21 @@ ORDINATE = r"amplitude / $(g \tan\alpha)$"
 
 
 def overturning_picture(
-    rows: Sequence[Row], others: Sequence[Row], title: str, top: float, file: Path
-) -> Path:
-    """Draw what overturns a rigid block, a panel for each pulse; returns the file.
+    rows: Sequence[Row], others: Sequence[Row], title: str, top: float
+) -> Figure:
+    """What overturns a rigid block, a panel for each pulse.
 
     Args:
         rows: Of rigid blocks of one restitution.
         others: Of other engines, drawn as marks.
         title: What is said of all panels: slenderness, restitution, friction.
         top: Largest amplitude of the scan.
-        file: To be written.
     """
-    return save(lambda: _drawn(rows, others, title, top), file)
-
-
-def _drawn(rows: Sequence[Row], others: Sequence[Row], title: str, top: float) -> Figure:
-    pulses = list(dict.fromkeys(row["pulse"] for row in rows))
+    pulses = groups(rows, lambda row: row["pulse"])
     figure = new_figure(2.9 * len(pulses) + 0.6)
     panels = figure.subplots(len(pulses), 1, squeeze=False, sharex=True)[:, 0]
-    for axes, pulse in zip(panels, pulses, strict=True):
-        own = sorted((r for r in rows if r["pulse"] == pulse), key=lambda row: row["frequency"])
+    for axes, (pulse, inside) in zip(panels, pulses.items(), strict=True):
+        own = sorted(inside, key=lambda row: row["frequency"])
         _areas(axes, own, top)
         _marks(axes, [row for row in others if row["pulse"] == pulse])
         at = np.linspace(own[0]["frequency"], own[-1]["frequency"], 200)
@@ -108,27 +102,21 @@ def _marks(axes: Axes, others: Sequence[Row]) -> None:
             for edge in row["boundaries"]
         ]
         if at:
-            style: dict[str, Any] = {
-                "markersize": 5,
-                "markerfacecolor": "none",
-                "markeredgewidth": 1.2,
-            }
-            axes.plot(*zip(*at, strict=True), mark, color=tint, label=words, **style)
+            axes.plot(
+                *zip(*at, strict=True), mark, color=tint, label=words, markersize=5,
+                markerfacecolor="none", markeredgewidth=1.2,
+            )  # fmt: skip
 
 
-def restitution_picture(rows: Sequence[Row], title: str, file: Path) -> Path:
-    """Draw the boundaries of rigid blocks against restitution, a panel for each pulse."""
-    return save(lambda: _over_restitution(rows, title), file)
-
-
-def _over_restitution(rows: Sequence[Row], title: str) -> Figure:
-    pulses = list(dict.fromkeys(row["pulse"] for row in rows))
+def restitution_picture(rows: Sequence[Row], title: str) -> Figure:
+    """The boundaries of rigid blocks against restitution, a panel for each pulse."""
+    pulses = groups(rows, lambda row: row["pulse"])
     figure = new_figure(2.9 * len(pulses) + 0.4)
     panels = figure.subplots(len(pulses), 1, squeeze=False, sharex=True)[:, 0]
-    for axes, pulse in zip(panels, pulses, strict=True):
-        own = [row for row in rows if row["pulse"] == pulse]
-        for number, frequency in enumerate(sorted({row["frequency"] for row in own})):
-            _curve(axes, [row for row in own if row["frequency"] == frequency], colour(number))
+    for axes, (pulse, inside) in zip(panels, pulses.items(), strict=True):
+        curves = groups(inside, lambda row: row["frequency"])
+        for number, frequency in enumerate(sorted(curves)):
+            _curve(axes, curves[frequency], colour(number))
         axes.set(ylabel=ORDINATE)
         axes.set_title(f"{PULSES[pulse].words}: {title}", loc="left")
     panels[-1].set_xlabel("restitution e")

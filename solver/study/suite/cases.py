@@ -31,7 +31,7 @@ from solver.scene import Scene, parse_scene
 from solver.scene.checking import shown
 from solver.scene.motion import G_UNIT
 from solver.study.scenes import refuse_components, refuse_others, scene_tables, with_model
-from solver.study.study import SUMMARY, Row, Study, words
+from solver.study.study import SUMMARY, Row, Study, by_name, words
 from solver.study.study import numbers as numbers_of
 from solver.study.suite import numbers
 from solver.study.suite.intensity import ROTD50, Intensity
@@ -72,7 +72,6 @@ class SuiteCase:
     """Case of a suite, as one process is given it.
 
     Attributes:
-        name: What the suite calls it, and no other case; also the name of its file.
         motion: The motion.
         varied: Keys and values, as text, that differ from case to case.
         engine: What answers, one of `ENGINES`; None: the scene as it stands.
@@ -82,10 +81,9 @@ class SuiteCase:
         folder: Where the relative names of the scene start from.
         tail: How long the run goes on after the motion, s.
         reference: True if the rigid-body answer is computed, too.
-        keep: Folder for all files of the run; None: none are written.
+        keep: Folder for the folders of runs with all their files; None: none are written.
     """
 
-    name: str
     motion: SuiteMotion
     varied: tuple[tuple[str, str], ...] = ()
     engine: str | None = None
@@ -98,16 +96,22 @@ class SuiteCase:
     keep: Path | None = None
 
     @property
-    def columns(self) -> Row:
-        """The columns of its row that do not follow from its run."""
-        found: Row = {"motion": self.motion.name, **dict(self.varied)} | self._part
-        return found | ({"intensity": self.intensity.name} if self.intensity else {})
+    def part(self) -> Row:
+        """What varies besides the motion: keys, and engine and level where it has such."""
+        own = {"engine": self.engine, "level": self.level}
+        return dict(self.varied) | {k: value for k, value in own.items() if value is not None}
 
     @property
-    def _part(self) -> Row:
-        """Engine and level, where it has such."""
-        part = {"engine": self.engine, "level": self.level}
-        return {key: value for key, value in part.items() if value is not None}
+    def name(self) -> str:
+        """Its own in the suite; also the name of its file."""
+        parts = [self.motion.name, *(f"{key}={value}" for key, value in self.part.items())]
+        return re.sub(r"[^\w.=+-]+", "_", ",".join(parts).replace(",", "__"))
+
+    @property
+    def columns(self) -> Row:
+        """The columns of its row that do not follow from its run."""
+        strength = {"intensity": self.intensity.name} if self.intensity else {}
+        return {"motion": self.motion.name, **self.part, **strength}
 
     def run(self) -> Row:
         """Run the case on one process; its row of the table.
@@ -116,12 +120,13 @@ class SuiteCase:
             SceneError: The motion or a varied value is bad input.
         """
         scene, ground = scene_of(self)
-        if self.keep is not None:
-            shutil.rmtree(self.keep, ignore_errors=True)  # what an interrupted suite left
+        kept = self.keep / self.name if self.keep else None
+        if kept is not None:
+            shutil.rmtree(kept, ignore_errors=True)  # what an interrupted suite left
         if self.engine == ODE:
             summary = equation(scene, ground)
         else:
-            run = simulate(scene, folder=self.keep, comm=MPI.COMM_SELF, ground=ground)
+            run = simulate(scene, folder=kept, comm=MPI.COMM_SELF, ground=ground)
             summary = run.summary
         measures = _measures(summary, OF_ROCKING if self.engine == ODE else KEPT)
         row = self.columns | {
@@ -257,13 +262,24 @@ class SuiteStudy(Study[SuiteCase]):
         if options.reference:
             reference_name(base)
         self.wanted = [
-            self._case(motion, values, tables, engine, level)
+            SuiteCase(
+                motion=motion,
+                varied=values,
+                engine=engine,
+                level=level,
+                intensity=self.intensity,
+                tables=tables,
+                folder=where,
+                tail=options.tail,
+                reference=options.reference,
+                keep=self.folder / RUNS if options.keep else None,
+            )
             for values in combinations
             for engine in self.engines or (None,)
             for level in self.levels or (None,)
             for motion in motions
         ]
-        self.varied = (*(key for key, _ in combinations[0]), *self._columns)
+        self.varied = tuple(self.wanted[0].part)
         self.blocks = tuple(block.name for block in base.blocks)
         self.notes = [*notes, *self._notes_on_levels(beside)]
         self.settings = {
@@ -288,7 +304,7 @@ class SuiteStudy(Study[SuiteCase]):
         if options.horizontal and "second" not in beside:
             allowed = "it for a scene with [motion.second]"
             raise SceneError("--horizontal", options.horizontal, allowed)
-        asked = words("--engines", options.engines, ENGINES) if options.engines else ()
+        asked = words("--engines", options.engines, ENGINES)
         for engine in asked:
             scene = parse_scene(with_model(tables, engine), folder=options.scene.parent)
             if engine == ODE:
@@ -297,18 +313,13 @@ class SuiteStudy(Study[SuiteCase]):
                 if options.reference:
                     allowed = f"{RIGID}, {ELASTIC} beside --reference"
                     raise SceneError("--engines", shown(options.engines), allowed)
-        self.engines, self.levels, self.intensity = tuple(asked), tuple[float, ...](), None
-        if options.levels:
-            self.levels = tuple(sorted(numbers_of("--levels", options.levels)))
+        self.engines, self.intensity = asked, None
+        self.levels = sorted(numbers_of("--levels", options.levels))
+        if self.levels:
             self.intensity = Intensity.read(options.intensity or "PGA")
             if "second" in beside:
                 how = options.horizontal or ROTD50
                 self.intensity = replace(self.intensity, horizontal=how)
-
-    @property
-    def _columns(self) -> list[str]:
-        """Columns in which an ensemble differs; none where there are no statistics to draw."""
-        return ["engine"] * bool(self.engines) + ["level"] * bool(self.levels)
 
     @property
     def axis(self) -> str:
@@ -323,32 +334,6 @@ class SuiteStudy(Study[SuiteCase]):
         factor = "; all components of an event have one factor" if beside else ""
         ends = "runs end before their motions do once a block has overturned"
         return [f"levels are of {self.axis}{of}{factor}", ends]
-
-    def _case(
-        self,
-        motion: SuiteMotion,
-        values: tuple[tuple[str, str], ...],
-        tables: Mapping[str, Any],
-        engine: str | None,
-        level: float | None,
-    ) -> SuiteCase:
-        """One motion with one combination of the varied values, for one engine and level."""
-        part = [("engine", engine)] * bool(engine) + [("level", level)] * (level is not None)
-        parts = [motion.name, *(f"{key}={value}" for key, value in (*values, *part))]
-        name = re.sub(r"[^\w.=+-]+", "_", ",".join(parts).replace(",", "__"))
-        return SuiteCase(
-            name=name,
-            motion=motion,
-            varied=values,
-            engine=engine,
-            level=level,
-            intensity=self.intensity,
-            tables=tables,
-            folder=self.options.scene.parent,
-            tail=self.options.tail,
-            reference=self.options.reference,
-            keep=self.folder / RUNS / name if self.options.keep else None,
-        )
 
     def failure(self, case: SuiteCase, error: Exception) -> Row:
         """The row of a case that raised an error."""
@@ -366,21 +351,23 @@ class SuiteStudy(Study[SuiteCase]):
             "cases": len(self.cases), "completed": done, "failed": len(rows) - done,
             "notes": self.notes, "ratios": numbers.ratios(rows, varied),
         }  # fmt: skip
-        if self._columns:
-            found |= self._write_fragility(rows)
+        if self.engines or self.levels:
+            more, text = self._write_fragility(rows)
+            found |= more
             failed = [row for row in rows if row["status"] != "completed"]
             lines = numbers.remarks(failed, varied) + numbers.cautions(rows, varied) + self.notes
-            text = (self.folder / FRAGILITY_TEXT).read_text(encoding="utf-8")
             text += "".join(f"{line}\n" for line in lines)
         elif len(rows) == len(self.cases):
-            from solver.study.suite.picture import suite_picture
+            from solver.study.suite.picture import panels_of, suite_picture
 
-            suite_picture(rows, varied, self.folder / PICTURE)
+            shown = [row for row in rows if row.get("pga_g") is not None]
+            if panels := panels_of(shown):
+                self.draw(PICTURE, suite_picture, shown, varied, panels)
         write(self.folder / SUMMARY, found)
         return text
 
-    def _write_fragility(self, rows: Sequence[Row]) -> dict[str, Any]:
-        """Write tables and pictures of an ensemble; returns its entry in the summary."""
+    def _write_fragility(self, rows: Sequence[Row]) -> tuple[dict[str, Any], str]:
+        """Write tables and pictures of an ensemble; its entry in the summary, and its text."""
         found = numbers.samples(rows, self.varied, self.blocks)
         measure = {"intensity": self.axis} if self.intensity else {}
         table = [sample.row() | measure for sample in found]
@@ -389,16 +376,16 @@ class SuiteStudy(Study[SuiteCase]):
         text = numbers.fragility_text(found, curves, apart, self.axis)
         write(self.folder / FRAGILITY_TEXT, text)
         if found:
-            from solver.study.suite.picture import draw_curves, draw_distributions
+            from solver.study.suite.picture import fragility_picture, peaks_picture
 
             if curves:
-                draw_curves(curves, self.axis, self.folder / CURVES)
-            draw_distributions(found, self.axis, self.folder / DISTRIBUTIONS)
+                self.draw(CURVES, fragility_picture, curves, self.axis)
+            self.draw(DISTRIBUTIONS, peaks_picture, found, self.axis)
         fits = [
             {**dict(own[0].group), "engine": own[0].engine, **(asdict(curve) if curve else {})}
             for own, curve in curves
         ]
-        return {"levels": table, "fits": fits, "distances": apart}
+        return {"levels": table, "fits": fits, "distances": apart}, text
 
     def say(self, text: str) -> None:
         """Say what was found, and where everything stands."""
@@ -408,14 +395,9 @@ class SuiteStudy(Study[SuiteCase]):
 
 def variations(words: Sequence[str]) -> Iterator[tuple[tuple[str, str], ...]]:
     """Every combination of the values in `KEY=VALUE,VALUE...`."""
-    ladders = []
-    for word in words:
-        key, _, text = word.partition("=")
-        values = [value.strip() for value in text.split(",")]
-        if not key.strip() or not all(values) or len(set(values)) < len(values):
-            allowed = "KEY=VALUE,VALUE..., such as contact.friction=0.1,0.2"
-            raise SceneError("--vary", shown(word), allowed)
-        ladders.append([(key.strip(), value) for value in values])
-    if len({ladder[0][0] for ladder in ladders}) < len(ladders):
-        raise SceneError("--vary", "one key twice", "each key once")
+    ladders, allowed = [], "KEY=VALUE,VALUE..., such as contact.friction=0.1,0.2"
+    for key, values in by_name("--vary", words, allowed).items():
+        if not values:
+            raise SceneError("--vary", shown(key), allowed)
+        ladders.append([(key, value) for value in values])
     yield from itertools.product(*ladders)

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from solver.results.report import ROUND_OFF
-from solver.study.tables import Row, column_names, in_columns
+from solver.study.tables import Row, column_names, groups, in_columns
 from solver.types import Array
 
 #: Columns of the text: end of the name in the CSV, heading, factor, format; `NAME.` of a block.
@@ -81,9 +81,7 @@ def as_text(rows: Sequence[Row], varied: Sequence[str], notes: Sequence[str] = (
 def ratios(rows: Sequence[Row], varied: Sequence[str]) -> list[dict[str, Any]]:
     """Mean, standard deviation, least and largest of each ratio, for each of the varied values."""
     found = []
-    groups = dict.fromkeys(tuple(str(row[key]) for key in varied) for row in rows)
-    for group in groups:
-        inside = [row for row in rows if tuple(str(row[key]) for key in varied) == group]
+    for group, inside in groups(rows, lambda row: tuple(str(row[k]) for k in varied)).items():
         for name in (key for key in column_names(rows) if key.endswith("_ratio")):
             values = [row[name] for row in inside if row.get(name) is not None]
             if values:
@@ -199,11 +197,10 @@ def samples(rows: Sequence[Row], varied: Sequence[str], blocks: Sequence[str]) -
     keys = [key for key in varied if key not in ("engine", "level")]
     done = [row for row in rows if row["status"] == "completed"]
     found = []
-    for values in dict.fromkeys(tuple((key, str(row[key])) for key in keys) for row in done):
-        inside = [row for row in done if all(str(row[key]) == value for key, value in values)]
+    for values, inside in groups(done, lambda r: tuple((key, str(r[key])) for key in keys)).items():
+        those = groups(inside, lambda row: (row.get("engine"), row.get("level")))
         for name in blocks:
-            for engine, level in dict.fromkeys((r.get("engine"), r.get("level")) for r in inside):
-                own = [r for r in inside if (r.get("engine"), r.get("level")) == (engine, level)]
+            for (engine, level), own in those.items():
                 slips = (row.get(f"{name}.peak_slip_while_standing_m") for row in own)
                 angles = tuple(_angle(row, name) for row in own)
                 group = (*values, ("block", name))
@@ -308,12 +305,11 @@ def fitted(
 
 def fits(found: Sequence[Sample]) -> Iterator[tuple[list[Sample], Lognormal | None]]:
     """The samples of each block and engine over their levels, and the curve through them."""
-    for group, engine in dict.fromkeys((sample.group, sample.engine) for sample in found):
-        own = [s for s in found if (s.group, s.engine) == (group, engine) and s.level is not None]
-        if own:
-            levels = [sample.level or math.nan for sample in own]
-            trials = [len(sample.angle) for sample in own]
-            yield own, fitted(levels, [sample.overturned for sample in own], trials)
+    scaled = [sample for sample in found if sample.level is not None]
+    for own in groups(scaled, lambda sample: (sample.group, sample.engine)).values():
+        levels = [sample.level or math.nan for sample in own]
+        trials = [len(sample.angle) for sample in own]
+        yield own, fitted(levels, [sample.overturned for sample in own], trials)
 
 
 def distances(found: Sequence[Sample]) -> list[dict[str, Any]]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,11 +19,10 @@ from solver.pictures.style import (
     colour,
     legend_above,
     new_figure,
-    save,
 )
 from solver.results.report import ROUND_OFF
 from solver.study.suite.numbers import Lognormal, Sample, interval, is_of_block
-from solver.study.tables import Row
+from solver.study.tables import Row, groups
 
 MEASURES = (
     ("platform.peak_drift_m", "peak drift (mm)", 1e3),
@@ -48,14 +46,7 @@ LEAST_SLIP = 0.1
 Curves = Sequence[tuple[list[Sample], Lognormal | None]]
 
 
-def suite_picture(rows: Sequence[Row], varied: Sequence[str], file: Path) -> Path | None:
-    """Draw the peaks of all runs; returns the file, None where there is nothing to draw."""
-    shown = [row for row in rows if row.get("pga_g") is not None]
-    panels = _panels(shown)
-    return save(lambda: _draw(shown, varied, panels), file) if panels else None
-
-
-def _panels(rows: Sequence[Row]) -> list[tuple[str, str, float]]:
+def panels_of(rows: Sequence[Row]) -> list[tuple[str, str, float]]:
     """Columns that have a panel, with its label and the factor: those in which something moves."""
     names = list(dict.fromkeys(name for row in rows for name in row))
     found = []
@@ -68,18 +59,17 @@ def _panels(rows: Sequence[Row]) -> list[tuple[str, str, float]]:
     return found
 
 
-def _draw(
+def suite_picture(
     rows: Sequence[Row], varied: Sequence[str], panels: Sequence[tuple[str, str, float]]
 ) -> Figure:
-    """A panel for each measure, a colour for each of the varied values."""
+    """The peaks of all runs, a panel for each measure, a colour for each of the varied values."""
     figure = new_figure(0.7 + 1.9 * len(panels))
     grid = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
-    groups = list(dict.fromkeys(_group(row, varied) for row in rows))
+    runs = groups(rows, lambda row: _words(row, varied))
     for axes, (name, label, factor) in zip(grid, panels, strict=True):
-        for number, group in enumerate(groups):
-            inside = [row for row in rows if _group(row, varied) == group]
+        for number, (words, inside) in enumerate(runs.items()):
             look = {"color": colour(number), "marker": MARKERS[number % len(MARKERS)]}
-            _points(axes, inside, name, factor, label=group or "runs", **look)
+            _points(axes, inside, name, factor, label=words or "runs", **look)
         axes.set_ylabel(label)
         axes.set_ylim(0, None)
     grid[-1].set_xlabel("largest acceleration of the ground along x (g)")
@@ -89,7 +79,7 @@ def _draw(
     return figure
 
 
-def _group(row: Mapping[str, Any], varied: Sequence[str]) -> str:
+def _words(row: Mapping[str, Any], varied: Sequence[str]) -> str:
     """The varied values of a run in words."""
     return ", ".join(f"{key.rpartition('.')[2]} {row[key]}" for key in varied)
 
@@ -120,17 +110,12 @@ def _points(
         axes.plot(*np.array(lost).T, markersize=6, label="overturned or fell", **cross)
 
 
-def draw_curves(curves: Curves, axis: str, file: Path) -> Path:
-    """Draw probabilities of overturning with their intervals and the fitted curves."""
-    return save(lambda: _curves(curves, axis), file)
-
-
-def _curves(curves: Curves, axis: str) -> Figure:
-    groups = list(dict.fromkeys(own[0].group for own, _ in curves))
-    figure = new_figure(2.9 * len(groups) + 0.4)
-    panels = figure.subplots(len(groups), 1, squeeze=False, sharex=True)[:, 0]
-    for axes, group in zip(panels, groups, strict=True):
-        inside = [pair for pair in curves if pair[0][0].group == group]
+def fragility_picture(curves: Curves, axis: str) -> Figure:
+    """Probabilities of overturning with their intervals and the fitted curves."""
+    blocks = groups(curves, lambda curve: curve[0][0].group).values()
+    figure = new_figure(2.9 * len(blocks) + 0.4)
+    panels = figure.subplots(len(blocks), 1, squeeze=False, sharex=True)[:, 0]
+    for axes, inside in zip(panels, blocks, strict=True):
         for number, (own, curve) in enumerate(inside):
             _curve(axes, own, curve, number - (len(inside) - 1) / 2)
         axes.set(ylabel="probability of overturning", ylim=(-0.03, 1.03))
@@ -156,21 +141,17 @@ def _curve(axes: Axes, own: list[Sample], curve: Lognormal | None, place: float)
         axes.plot(along, curve.probability(along), color=tint)
 
 
-def draw_distributions(samples: Sequence[Sample], axis: str, file: Path) -> Path:
-    """Draw the distributions of peak angles and slips, at three levels at most."""
-    return save(lambda: _distributions(samples, axis), file)
-
-
-def _distributions(samples: Sequence[Sample], axis: str) -> Figure:
-    groups = list(dict.fromkeys(sample.group for sample in samples))
-    figure = new_figure(2.7 * len(groups) + 0.5)
-    panels = figure.subplots(len(groups), 2, squeeze=False, sharey=True)
+def peaks_picture(samples: Sequence[Sample], axis: str) -> Figure:
+    """The distributions of peak angles and slips, at three levels at most."""
+    blocks = groups(samples, lambda sample: sample.group)
+    figure = new_figure(2.7 * len(blocks) + 0.5)
+    panels = figure.subplots(len(blocks), 2, squeeze=False, sharey=True)
     levels = sorted({sample.level for sample in samples if sample.level is not None})
     shown: list[float | None] = (
         list(sorted({levels[0], levels[len(levels) // 2], levels[-1]})) if levels else [None]
     )
-    for line, group in zip(panels, groups, strict=True):
-        for sample in (s for s in samples if s.group == group and s.level in shown):
+    for line, (group, inside) in zip(panels, blocks.items(), strict=True):
+        for sample in (sample for sample in inside if sample.level in shown):
             label = NAMES[sample.engine]
             if sample.level is not None:
                 label += f", {axis.split(',')[0]} {sample.level:g}"
