@@ -14,6 +14,7 @@ from benchmarks.stability.matrix import Place, StabilityCase, Tables
 from solver.errors import SceneError
 from solver.reference.answer import reference_history
 from solver.scene import BlockSpec, Scene, parse_scene
+from solver.stepping.ledger import BEYOND_LAW
 
 if TYPE_CHECKING:
     from solver.run.simulate import Result
@@ -40,7 +41,8 @@ class Verdict(Place):
     """Verdict on a scene.
 
     Attributes:
-        verdict: It completed and kept its energy, or was refused by name, or neither.
+        verdict: It completed and kept its energy, or was refused by name, or neither. A run that
+            ends where a block is compressed beyond its law is refused, too.
         reason: Why it was refused, or what failed.
         energy_gain: Largest gain over the scale of energy.
         ledger_error: Largest error of the ledger over the same.
@@ -100,6 +102,9 @@ def judge(case: StabilityCase, limit: float) -> Verdict:
         result = simulate(scene, seconds=limit, comm=MPI.COMM_SELF)
     except SceneError as error:
         return Verdict.of(case, "refused", str(error), seconds=time.perf_counter() - began)
+    if BEYOND_LAW in result.summary["reason"]:
+        told = result.summary["reason"]
+        return Verdict.of(case, "refused", told, seconds=time.perf_counter() - began)
     reason = trouble(result) or (far_from_reference(case.tables, result) if case.compared else "")
     cost, energy = result.summary["cost"], result.summary["energy"]
     return Verdict.of(

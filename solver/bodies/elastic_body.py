@@ -327,7 +327,10 @@ class ElasticBody(DampedBody):
         return float(self._rounding[1].dot(u**2))
 
     def strain_energy(self, u: Array) -> float:
-        """Integral of E:C:E/2 over this rank's cells at displacement u, J."""
+        """Integral of E:C:E/2 over this rank's cells at displacement u, J.
+
+        Infinite where a cell is compressed beyond St. Venant-Kirchhoff's law.
+        """
         self._forms.place(u)
         return self._forms.energy_at_end()
 

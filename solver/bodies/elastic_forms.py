@@ -71,6 +71,12 @@ STRAINED_STIFFNESS_CHANGE = 0.1
 it: what iterations with the undeformed tangent leave of an error is of that size."""
 
 
+MOST_COMPRESSED = 1 / 3
+"""Compressive strain, E, from which on more compression takes less pressure: along one direction,
+of a stretch s, St. Venant-Kirchhoff's law has the pressure M s (1 - s^2)/2, which is largest at
+s = 1/sqrt(3). Beyond, cells collapse, and turn inside out without any force."""
+
+
 class Region(NamedTuple):
     """Cells of another material."""
 
@@ -128,13 +134,27 @@ def green_strain(gradient: Any) -> Any:
     return (gradient + gradient.T + gradient.T * gradient) / 2
 
 
+def is_within_law(strain: Any) -> Any:
+    """UFL condition that no direction is compressed by more than the law bears.
+
+    E + I/3 is positive definite: its leading minors are positive.
+    """
+    d = strain.ufl_shape[0]
+    shifted = strain + MOST_COMPRESSED * ufl.Identity(d)
+    found = ufl.And(ufl.gt(shifted[0, 0], 0), ufl.gt(ufl.det(shifted), 0))
+    if d == 2:
+        return found
+    minor = shifted[0, 0] * shifted[1, 1] - shifted[0, 1] * shifted[1, 0]
+    return ufl.And(found, ufl.gt(minor, 0))
+
+
 class ElasticForms:
     """Compiled forms of one body; what they are assembled into belongs to the caller.
 
     Attributes:
         force: Internal force of a step.
         viscous: The same of the strain increment, for Rayleigh's beta_R; None without damping.
-        strain_energy: Integral of E:C:E/2 at the end of the step.
+        strain_energy: Integral of E:C:E/2 at the end of the step; infinite beyond the law.
         increment_energy: Integral of dE:C:dE, dE = E_{n+1} - E_n.
         moduli: Of the material and of its regions, times the thickness.
     """
@@ -171,7 +191,11 @@ class ElasticForms:
 
         self.force = internal(averaged)
         self.viscous = internal(increment) if viscous else None
-        self.strain_energy = PackedForm(0.5 * ufl.inner(strain, self._stress(strain)) * self._dx)
+        energy = 0.5 * ufl.inner(strain, self._stress(strain))
+        beyond = fem.Constant(domain, np.inf)
+        self.strain_energy = PackedForm(
+            ufl.conditional(is_within_law(strain), energy, beyond) * self._dx
+        )
         self.increment_energy = PackedForm(ufl.inner(increment, self._stress(increment)) * self._dx)
         self._strained: tuple[fem.Function, PackedForm] | None = None
         self._share_values((u, u_old))
@@ -210,7 +234,7 @@ class ElasticForms:
         self._both.read(1)
 
     def energy_at_end(self) -> float:
-        """Strain energy at the end of the step, over this rank's cells, J."""
+        """Strain energy at the end of the step, over this rank's cells, J; as that form has it."""
         self._last.read(0)
         return self.strain_energy.scalar()
 

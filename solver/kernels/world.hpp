@@ -223,6 +223,7 @@ template <int d> class World {
     static constexpr double LANDING = 1e-8;     // of the size: contacts closer than this land together
     static constexpr double SMALLEST_PIECE = 1e-3;  // of a step, before or after an end of slip
     static constexpr double AT_END = 1e-9;          // of a step: touches this close to its ends are there
+    static constexpr double FLOWN = 1e-12;          // of the motion of a body: changes below are none
     static constexpr double ROWS = 1e-14;           // of the size in a whole step: errors of rows below are none
     static constexpr double COVERED = 1e-9;  // of the radius of a body: parts this close touch
     static constexpr double STOPPED = 1e-6;
@@ -415,8 +416,8 @@ template <int d> class World {
         }
     }
 
-    /// Adds what forces on a body do to its free motion in a step, by their means over it.
-    void add_forces(const Attempt& A, int b, double dt, Motion& free) const {
+    /// Impulses and moments of the forces on a body in a step, by their means over it.
+    Motion pushed(const Attempt& A, int b, double dt) const {
         Motion pushed{};
         for (int i : forces_on_[b]) {
             const Vec<d> force = mean_force(A, forces[i], dt);
@@ -424,7 +425,7 @@ template <int d> class World {
             for (int j = 0; j < d; j++) pushed[j] += dt * force[j];
             for (int j = 0; j < rotations; j++) pushed[d + j] += dt * turn[j];
         }
-        free += mul(A.inverse_mass[b], pushed);
+        return pushed;
     }
 
     Vec<d> mean_force(const Attempt& A, const AppliedForce<d>& force, double dt) const {
@@ -432,28 +433,40 @@ template <int d> class World {
         return force.start + share * (force.end - force.start);
     }
 
-    /// Motion of a free body without contacts; in space by the energy-momentum rule on the angular
-    /// momentum (Simo and Wong 1991), about the last iterate (M56).
-    Motion free_motion(const Attempt& A, int b, double dt, const Vec<d>& load) const {
+    /// Motion of a free body without contacts, for M (w - w_free) = its impulses and moments by them.
+    ///
+    /// In space it is Newton's method for the energy-momentum rule on the angular momentum (Simo and Wong
+    /// 1991) about the last iterate and what contacts did to it, `touched` (M56).
+    Motion free_motion(const Attempt& A, int b, double dt, const Vec<d>& load, const Motion& touched) const {
         const Body<d>& body = bodies[b];
-        Motion free;
-        for (int i = 0; i < d; i++) free[i] = 2 * body.v[i] + dt * load[i];
+        Motion free = mul(A.inverse_mass[b], pushed(A, b, dt));
+        for (int i = 0; i < d; i++) free[i] += 2 * body.v[i] + dt * load[i];
         if constexpr (d == 2) {
-            free[2] = 2 * body.spin[0];
+            free[2] += 2 * body.spin[0];
         } else {
-            const Mat<3, 3>& R = A.start[b].at.R;
+            const Mat<3, 3>&R = A.start[b].at.R, &J = body.inertia;
+            const Motion given = touched + pushed(A, b, dt);
             const Vec<3> turn{A.w[b][3], A.w[b][4], A.w[b][5]}, psi = to_body(R, 0.5 * dt * turn);
-            Vec<3> rule = 2.0 * mul(body.inertia, psi - dt * body.spin) + cross(psi, mul(body.inertia, psi));
-            LU<3> transport{{{{1, psi[2] / 2, -psi[1] / 2}, {-psi[2] / 2, 1, psi[0] / 2}, {psi[1] / 2, -psi[0] / 2, 1}}}, {}};
-            transport.factorize();
-            transport.solve(rule);
-            const Vec<3> missing = to_space(R, (1 / dt) * rule);
+            const Vec<3> moment = to_body(R, {dt * given[3], dt * given[4], dt * given[5]});
+            const Vec<3> rule = 2.0 * mul(J, psi - dt * body.spin) + cross(psi, mul(J, psi));
+            Vec<3> change = moment - 0.5 * cross(psi, moment) - rule;
+            const Vec<3> momentum = mul(J, psi) + 0.5 * moment;
+            LU<3> tangent;
+            for (int j = 0; j < 3; j++) {
+                Vec<3> unit{}, column;
+                unit[j] = 1;
+                for (int i = 0; i < 3; i++) column[i] = J[i][j];
+                column = 2.0 * column + cross(psi, column) - cross(momentum, unit);
+                for (int i = 0; i < 3; i++) tangent.a[i][j] = column[i];
+            }
+            if (tangent.factorize()) tangent.solve(change);
+            else change.fill(NAN);
+            change = to_space(R, (2 / dt) * change);
             for (int i = 0; i < 3; i++) {
-                free[3 + i] = turn[i];
-                for (int j = 0; j < 3; j++) free[3 + i] -= A.inverse_mass[b][3 + i][3 + j] * missing[j];
+                free[3 + i] = turn[i] + change[i];
+                for (int j = 0; j < 3; j++) free[3 + i] -= A.inverse_mass[b][3 + i][3 + j] * touched[3 + j];
             }
         }
-        if (!forces_on_[b].empty()) add_forces(A, b, dt, free);
         return free;
     }
 
@@ -726,18 +739,25 @@ template <int d> class World {
         }
     }
 
-    /// A body that touches nothing.
+    /// A body that touches nothing; one whose turn does not settle has failed.
     void fly(Attempt& A, int b, double dt, const Vec<d>& load) {
         if (bodies[b].is_platform()) A.w[b] = A.free[b];
-        else
-            for (int round = 0; round < 40; round++) {
+        else {
+            double change = INFINITY, before = INFINITY;
+            for (int round = 0; round < 40 && (change > FLOWN || change < before); round++) {
                 A.end[b] = bodies[b].moved(0.5 * dt * A.w[b]);  // forces turn with their arms
-                const Motion next = free_motion(A, b, dt, load);
-                const double change = norm(next - A.w[b]);
+                const Motion next = free_motion(A, b, dt, load, {});
+                before = change;
+                change = norm(next - A.w[b]) / std::max(norm(next), 1e-300);
                 A.w[b] = next;
-                if ((d == 2 && forces_on_[b].empty()) || change <= 1e-15 * norm(next)) break;
+                if ((d == 2 && forces_on_[b].empty()) || change <= 1e-15) {
+                    change = 0;
+                    break;
+                }
             }
-        A.end[b] = bodies[b].moved(0.5 * dt * A.w[b]);
+            if (!(change <= FLOWN)) A.failed[b] = 1;
+        }
+        A.end[b] = A.failed[b] ? A.start[b].at : bodies[b].moved(0.5 * dt * A.w[b]);
     }
 
     /// Rows, friction and impulses of an island until none of them changes; false where they do not
@@ -764,7 +784,8 @@ template <int d> class World {
             for (C* k : island.contacts) write_step_rows(A, *k, dt);
             for (std::size_t j = 0; j < island.bodies.size(); j++) {
                 const int b = island.bodies[j];
-                island.free[j] = bodies[b].is_platform() ? A.free[b] : free_motion(A, b, dt, load);
+                const Motion touched = round ? mul(A.mass[b], A.w[b] - island.free[j]) : Motion{};
+                island.free[j] = bodies[b].is_platform() ? A.free[b] : free_motion(A, b, dt, load, touched);
             }
             if (kept) {
                 if (!local.keep(island)) return false;

@@ -52,7 +52,7 @@ PLACED_CORRECTIONS = 2
 
 
 class StepFailed(Exception):
-    """The nonlinear solve of a step did not converge."""
+    """The nonlinear solve of a step did not converge, or its solution is none of the method's."""
 
 
 class ActivePair(NamedTuple):

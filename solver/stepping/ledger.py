@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import astuple, dataclass
 from typing import NamedTuple
@@ -11,10 +12,11 @@ from mpi4py import MPI
 import numpy as np
 
 from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.elastic_forms import MOST_COMPRESSED
 from solver.bodies.rigid_body import DenseBody
 from solver.contact.memory import Memory
 from solver.contact.pairs import Link
-from solver.parallel import global_sum
+from solver.parallel import any_rank, global_sum
 from solver.stepping.system import System
 from solver.types import Array
 
@@ -75,6 +77,21 @@ def _own_energies(system: System, u: Array, v: Array) -> Energies:
         if spring is not None:
             total.spring += 0.5 * float(u[own] @ spring)
     return total
+
+
+BEYOND_LAW = "is compressed beyond St. Venant-Kirchhoff's law"
+"""What is said of a body whose strain energy is infinite."""
+
+
+def beyond_law(system: System, u: Array) -> str:
+    """Which bodies are strained beyond their law at displacements u (m), in words; collective."""
+    found = [
+        body.name
+        for body, own in system.meshed
+        if any_rank(system.comm, not math.isfinite(body.strain_energy(u[own])))
+    ]
+    left = math.sqrt(1 - 2 * MOST_COMPRESSED)
+    return f"{' and '.join(found)} {BEYOND_LAW}, to less than {left:.2f} of a length"
 
 
 class StepEnds(NamedTuple):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from contextlib import ExitStack
 from functools import lru_cache
@@ -32,7 +33,7 @@ from solver.stepping.balance import (
 from solver.stepping.contact_solve import ContactSolve, StepFailed
 from solver.stepping.impulses import UNCHANGED, VelocityCorrection, VelocityImpulses
 from solver.stepping.interfaces import Active, Interfaces, InterfaceState, StepStart
-from solver.stepping.ledger import StepEnds, numerical_loss, step_sums
+from solver.stepping.ledger import StepEnds, beyond_law, numerical_loss, step_sums
 from solver.stepping.point_table import joined
 from solver.stepping.pushes import pushes
 from solver.stepping.reactions import (
@@ -222,11 +223,11 @@ class Stepper:
         solution = self._solve.solve(balance, u)
         contacts, _ = remembered(self.links, state.contacts, solution.contacts, np.inf)
         rest, u = np.zeros_like(u), self.system.settled(solution.u)
-        return consistent(
-            self.system,
-            self.links,
-            State(0.0, u, rest, p=rest, contacts=contacts, motions={}, active=state.active),
-        )
+        stands = State(0.0, u, rest, p=rest, contacts=contacts, motions={}, active=state.active)
+        stands = consistent(system, self.links, stands)
+        if not math.isfinite(stands.strain):
+            raise StepFailed(beyond_law(system, u))
+        return stands
 
     def _load(self, time: float, dt: float) -> Array:
         """Body forces of gravity and of the accelerated ground, mean over a step, N.
@@ -287,6 +288,9 @@ class Stepper:
             at_supports, p[system.fixed] = p[system.fixed], 0.0
         contacts, lost = remembered(self.links, old, solution.contacts, dt)
         sums = step_sums(system, ends, p - step.p)
+        if not math.isfinite(sums.energies.strain):
+            self._join(state.active)
+            raise StepFailed(beyond_law(system, u))
         correction = self._velocity_correction(u, v, solution, step, lost.friction)
         held, ground = state.held, None
         if system.grounded:

@@ -144,6 +144,17 @@ def test_a_regular_polygon_rolls_down_an_incline(count: int) -> None:
     assert elastic.history["block.angle_rad"][-1] > turn
 
 
+@pytest.mark.parametrize("tilt", [0.0, 1e-9, -1e-9])
+def test_round_off_does_not_decide_which_sides_face_the_ground(tilt: float) -> None:
+    """Those beside the bottom of a hexagon are 60 degrees off, and have their points there."""
+    from solver.build.assembly import build, initial_state
+
+    given = scene(STONE | {"shape": {"regular": 6}, "width": 0.6, "tilt_deg": tilt}, 0.01, 1e-3)
+    assembly = build(given)
+    state, _ = assembly.stepper.advance(initial_state(given, assembly)[0], 1e-3)
+    assert len(state.active[0].faces) == 3
+
+
 def test_a_wedge_and_a_box_collide() -> None:
     """In the air without gravity: momentum stays, energy is never gained, and they part."""
     wedge = polygon([[-0.3, 0.0], [0.3, 0.0], [-0.3, 0.5]], name="wedge", young=1e9)
