@@ -316,8 +316,8 @@ class LinkCorrection:
             moved = np.array([place.read(at, motion) for motion in motions])
             self._compliance += np.tensordot(along, moved, ([1, 2], [1, 2]))
             self._free += np.tensordot(along, place.read(at, tangents.free[number]), 2)
-            for motion, reading in zip(motions, self._readings, strict=True):
-                tangents.read(number, motion, reading)
+            for k, motion in enumerate(motions):
+                tangents.read(number, motion, self._readings[k])
             self._motions.append(motions)
         self._change: Array = np.zeros(n)
         self._trial, self._rounds = pull.links.extension, 0
@@ -331,7 +331,7 @@ class LinkCorrection:
         law = self._step.law(self._trial)
         self._bias = law.force - links.force - law.slope * (self._trial - links.extension)
         matrix = np.eye(n) + self.weight * law.slope[:, None] * self._compliance
-        self._tangent = np.linalg.solve(matrix, np.diag(law.slope))
+        self._tangent = np.asarray(np.linalg.solve(matrix, np.diag(law.slope)), dtype=np.float64)
 
     def _answer(self, free: Array) -> Array:
         """Change of forces by the tangents, for extensions that change by `free` without it."""
