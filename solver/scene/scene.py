@@ -117,6 +117,11 @@ class Scene(Checked):
 
             refuse_links(self.links, self.poses(), self.dimension)
             limits.refuse_stiff_links(self.links, self.blocks, self.gravity)
+        if (self.links or self.forces) and not self.is_rigid:
+            from solver.scene.places import refuse_outside
+
+            deck = self.foundation.top if self.foundation.is_meshed else None
+            refuse_outside(self.links, self.forces, self.blocks, deck)
         self.check_limits(shaking=0.0)
 
     def _each_block(self, change: Callable[[BlockSpec], BlockSpec]) -> tuple[BlockSpec, ...]:
