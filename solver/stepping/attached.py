@@ -305,20 +305,20 @@ class LinkCorrection:
         self.weight = tangents.weight
         rows = pull.links.rows
         n = len(rows)
-        self._motions: list[list[Any]] = []
-        """Of each body with places its motions by unit forces along all links."""
+        self._motions: list[tuple[Indices, list[Any]]] = []
+        """Of each body with places the directions that move it, and its motion by each of them."""
         self._compliance: Array = np.zeros((n, n))
         self._free: Array = np.zeros(n)
         self._readings: Array = np.zeros((n, *tangents.shape))
         for (number, _, own, _), place in zip(self._members, places, strict=True):
             at, along = tangents.configurations[number], rows[:, own]
-            motions: list[Any] = [place.motion(at, force) for force in along]
-            moved = np.array([place.read(at, motion) for motion in motions])
-            self._compliance += np.tensordot(along, moved, ([1, 2], [1, 2]))
-            self._free += np.tensordot(along, place.read(at, tangents.free[number]), 2)
-            for k, motion in enumerate(motions):
+            directions = np.flatnonzero(np.any(along != 0, axis=(1, 2)))
+            motions: list[Any] = [place.motion(at, along[k]) for k in directions]
+            for k, motion in zip(directions, motions, strict=True):
+                self._compliance[:, k] += np.tensordot(along, place.read(at, motion), 2)
                 tangents.read(number, motion, self._readings[k])
-            self._motions.append(motions)
+            self._free += np.tensordot(along, place.read(at, tangents.free[number]), 2)
+            self._motions.append((directions, motions))
         self._change: Array = np.zeros(n)
         self._trial, self._rounds = pull.links.extension, 0
         self._bias: Array = np.zeros(n)
@@ -371,10 +371,10 @@ class LinkCorrection:
     def moved(self, free: Sequence[Any]) -> list[Any]:
         """Free motions of all bodies with what the change of forces adds."""
         found = list(free)
-        for (number, *_), place, motions in zip(
+        for (number, *_), place, (directions, motions) in zip(
             self._members, self._places, self._motions, strict=True
         ):
-            for motion, change in zip(motions, self._change, strict=True):
+            for motion, change in zip(motions, self._change[directions], strict=True):
                 found[number] = place.plus(found[number], motion, -self.weight * change)
         return found
 
