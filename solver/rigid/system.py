@@ -317,7 +317,7 @@ class RigidSystem:
             taken = before.followed_by(steps)
             self._fill(rows, taken, dt, motion[: done + 1])
             rows[:, self._run.time_s] = times[1 : done + 1]
-            happened = tuple(self._links.events(taken, times[1 : done + 1]))
+            happened = tuple(self._links.events(taken.links, times[1 : done + 1]))
             check_filled(self.columns, rows)
             self._before = steps.last()
         self.time += dt * done
@@ -346,7 +346,7 @@ class RigidSystem:
         self._lean = self._written.write(rows, layout, steps, dt, self._lean)
         if layout.energy > layout.platform:
             write_platform(rows, layout, steps, dt)
-        self._links.write(rows, steps)
+        self._links.write(rows, steps.links[1:])
         write_energies(rows[:, layout.energy :], steps.stored[1:], steps.exchanged[1:])
         rows[:, self._error] -= self._first
 
