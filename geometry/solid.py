@@ -12,7 +12,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 from geometry.convex import (
     Convex,
     Faces,
+    few_corners,
     hull_of,
     polygon_faces,
     refuse_density,
@@ -63,6 +64,14 @@ SINGLE = 1e-6
 """What a number of single precision, as most files of surfaces have them, is good for as a part of
 the size: corners so near to a plane are on it."""
 
+MOST_POINTS = 5000
+"""Points of a surface of which the hull has all corners; of more it has those that it needs to be
+off by no more than `COARSE`."""
+
+COARSE = 1e-4
+"""How far a point of a fine surface may be off its hull, as a part of the size; twice as far, and
+so on, where the hull has more corners than contacts have numbers for."""
+
 MOST_SIDES = 1000
 """Facets that a round shape may have."""
 
@@ -90,6 +99,8 @@ class Solid:
     """The true surface, in space, that volume, mass, centre and inertia are of; else of parts."""
     density: float | None = None
     """rho within the surface, kg/m^3, > 0; None without one: each part has its own."""
+    coarse: float = 0.0
+    """How far points of the surface may be outside of the parts, m."""
     masses: Moments = field(init=False)
     """Mass, centre and its second moments about it."""
 
@@ -136,13 +147,16 @@ class Solid:
 
     @property
     def hull_excess(self) -> float:
-        """Volume of the parts over that of the surface, minus 1; 0 without a surface."""
+        """Volume of the parts over that of the surface, minus 1; 0 without a surface.
+
+        Below 0 where a coarse hull is smaller than a convex surface.
+        """
         return 0.0 if self.surface is None else self.parts_volume / self.surface.volume - 1
 
     @property
     def is_convex(self) -> bool:
         """True if it is one convex part, and no more than that."""
-        return len(self.parts) == 1 and abs(self.hull_excess) <= SINGLE
+        return len(self.parts) == 1 and self.hull_excess <= SINGLE
 
     @property
     def mass(self) -> float:
@@ -334,26 +348,29 @@ def hull(points: ArrayLike, density: float = 1.0, thickness: float = 1.0) -> Sol
     return Solid(parts=(part,), thickness=thickness)
 
 
-def of_surface(surface: Surface, density: float, *, only_hull: bool = False) -> Solid:
+def of_surface(surface: Surface, density: float, parts: Literal["hull", "coacd"] = "hull") -> Solid:
     """A body with the mass properties of a surface, and convex parts for contact.
 
-    Its parts are those of CoACD (Wei et al., ACM Trans. Graph. 41, 2022) where `coacd` is
-    installed and the surface is not convex; else its convex hull, see `Solid.hull_excess`.
-    Those of CoACD 1.0.14 are off by some 1e-4 of the size, the hull by 1e-6.
-    Corners within 1e-6 of the size above the lowest one are put on its level, to which files of
-    single precision do not tell them apart.
+    The hull is off by 1e-6 of the size, and of a surface of many points by `COARSE`; the parts of
+    CoACD 1.0.14 by some 1e-4 of the size. Corners within 1e-6 of the size above the lowest one are
+    put on its level, to which files of single precision do not tell them apart.
 
     Args:
         surface: A closed surface.
         density: kg/m^3.
-        only_hull: The hull also where `coacd` is installed, so that all machines find the same.
+        parts: Its convex hull, see `Solid.hull_excess`; or, where it is not convex, what CoACD
+            (Wei et al., ACM Trans. Graph. 41, 2022) cuts it into.
+
+    Raises:
+        ValueError: CoACD is not installed, or makes too many parts.
     """
-    whole = _hull_part(surface.points[np.unique(surface.triangles)], density, surface.name)
-    parts = [whole]
-    if not only_hull and whole.moments.volume > (1 + SINGLE) * surface.volume:
-        pieces = _cut_by_coacd(surface)
-        parts = [_hull_part(piece, density, surface.name) for piece in pieces] or parts
-    return Solid(parts=tuple(parts), surface=surface, density=density)
+    points = surface.points[np.unique(surface.triangles)]
+    whole, coarse = _hull_part(points, density, surface.name)
+    found = [whole]
+    if parts == "coacd" and whole.moments.volume > (1 + SINGLE) * surface.volume:
+        pieces = [_hull_part(piece, density, surface.name) for piece in _cut_by_coacd(surface)]
+        found, coarse = [part for part, _ in pieces], max(off for _, off in pieces)
+    return Solid(parts=tuple(found), surface=surface, density=density, coarse=coarse)
 
 
 def union(solids: Sequence[Solid]) -> Solid:
@@ -499,20 +516,35 @@ def _rings(chain: Sequence[Array] | Array, sides: int) -> tuple[Array, Faces]:
     return np.concatenate(corners), tuple(face for face in faces if len(face) > 2)
 
 
-def _hull_part(points: Array, density: float, name: str) -> Convex:
-    """The convex hull of points of single precision, its lowest corners on one level."""
-    corners, faces = hull_of(points, SINGLE, name)
+def _hull_part(points: Array, density: float, name: str) -> tuple[Convex, float]:
+    """The convex hull of points of single precision, its lowest corners on one level.
+
+    Returns:
+        The hull, and by how much points may be off it, m.
+    """
+    size, coarse = size_of(points), 0.0
+    chosen = points
+    while len(chosen) > MOST_POINTS if not coarse else len(chosen) > MOST_EDGES // 3:
+        coarse = 2 * coarse or COARSE * size
+        lowest = points[points[:, 2] <= points[:, 2].min() + SINGLE * size]
+        if len(np.unique(lowest[:, :2], axis=0)) > 2:  # on which it stands
+            flat = few_corners(lowest[:, :2], coarse)
+            lowest = np.column_stack([flat, np.full(len(flat), points[:, 2].min())])
+        chosen = np.concatenate([few_corners(points, coarse), lowest])
+    corners, faces = hull_of(chosen, SINGLE, name)
     low = corners[:, 2].min()
     corners[corners[:, 2] <= low + SINGLE * size_of(corners), 2] = low
-    return Convex(corners=corners, faces=faces, density=density)
+    return Convex(corners=corners, faces=faces, density=density), coarse
 
 
 def _cut_by_coacd(surface: Surface) -> list[Array]:
-    """Points of convex pieces of a surface by CoACD; none where it is not installed."""
+    """Points of convex pieces of a surface by CoACD."""
     try:
         coacd: Any = importlib.import_module("coacd")
     except ImportError:
-        return []
+        raise ValueError(
+            'got contact = "coacd", which is not installed, allowed after `pip install coacd`'
+        ) from None
     coacd.set_log_level("error")
     pieces = coacd.run_coacd(coacd.Mesh(surface.points, surface.triangles), seed=0)
     return [np.asarray(points, dtype=np.float64) for points, _ in pieces]
@@ -541,7 +573,8 @@ def _with_one_surface(solids: Sequence[Solid], parts: tuple[Convex, ...]) -> Sol
     surface = Surface(
         points=np.concatenate(points), triangles=np.concatenate(triangles), name="union"
     )
-    return Solid(parts=parts, surface=surface, density=densities[0])
+    coarse = max(solid.coarse for solid in solids)
+    return Solid(parts=parts, surface=surface, density=densities[0], coarse=coarse)
 
 
 def _refuse_overlap(first: Solid, second: Solid) -> None:

@@ -119,7 +119,9 @@ def _outline(block: BlockSpec, shape: Block) -> Lines:
         return [("  feet", f"{len(solid.parts) - 1}: {tall} along x")]
     flat, count = solid.dimension == 2, len(solid.parts)
     facets = sum(len(part.faces) for part in solid.parts)
-    parts = "convex" if count == 1 else f"{count} convex parts"
+    parts = f"{count} convex parts" if count > 1 else "convex"
+    if count == 1 and not solid.is_convex:
+        parts = "a convex hull"
     lines = [("  shape", f"{spec.kind}: {parts}, {facets} {'sides' if flat else 'facets'}")]
     for number, each in enumerate((spec, *spec.union)):
         radius = each.radius(block.width)
@@ -130,9 +132,12 @@ def _outline(block: BlockSpec, shape: Block) -> Lines:
             within = f"{sides} facets, within the circle by at most {off:.3g} mm"
             lines.append((f"  round{of}", within))
     if (surface := solid.surface) is not None:
-        more = percent(solid.hull_excess)
+        more = solid.hull_excess
         how = "convex hull" if count == 1 else parts
-        text = f"{len(surface.triangles)} triangles; contacts see its {how}, {more} % larger"
+        text = f"{len(surface.triangles)} triangles; contacts see its {how}, "
+        text += f"{percent(abs(more))} % {'larger' if more >= 0 else 'smaller'}"
+        if solid.coarse:
+            text += f", its fine parts within {1e3 * solid.coarse:.3g} mm"
         lines.append(("  surface", text))
     return lines
 

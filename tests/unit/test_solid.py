@@ -394,9 +394,7 @@ def test_a_ring_and_a_dish_with_one_point_on_the_axis() -> None:
     triangle = [[1.0, 0.0], [2.0, 0.0], [1.5, 1.0]]
     assert turned(triangle, 1000, 1.0).volume == pytest.approx(2 * math.pi * 1.5 * 0.5, rel=1e-5)
     dish = [[0.0, 0.5], [1.0, 0.0], [1.0, 1.0]]
-    assert turned(dish, 1000, 1.0).volume == pytest.approx(
-        2 * math.pi * (2 / 3) * 0.5, rel=1e-5
-    )
+    assert turned(dish, 1000, 1.0).volume == pytest.approx(2 * math.pi * (2 / 3) * 0.5, rel=1e-5)
 
 
 def test_more_parts_and_edges_than_contacts_have_numbers_for() -> None:
@@ -548,7 +546,7 @@ def angle_surface() -> Surface:
 
 def test_a_hull_around_a_surface() -> None:
     """Mass from the surface, corners from the hull; the excess is said."""
-    body = of_surface(angle_surface(), 2.0, only_hull=True)
+    body = of_surface(angle_surface(), 2.0)
     expected = prism(polygon([[0, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2]], 2.0, 1.0), 1.0)
     expected = expected.moved([0.0, 0.5, 0.0])
     assert body.volume == pytest.approx(3.0) and body.mass == pytest.approx(6.0)
@@ -566,7 +564,7 @@ def test_a_hull_around_a_surface() -> None:
 
 
 def test_convex_parts_by_coacd(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where it is installed, and only for surfaces that are not convex."""
+    """Only where they are asked for, and of surfaces that are not convex."""
     calls = []
 
     def run(mesh: SimpleNamespace, seed: int) -> list[tuple[Array, None]]:
@@ -580,22 +578,70 @@ def test_convex_parts_by_coacd(monkeypatch: pytest.MonkeyPatch) -> None:
         run_coacd=run,
     )
     monkeypatch.setitem(sys.modules, "coacd", coacd)
-    body = of_surface(angle_surface(), 2.0)
+    body = of_surface(angle_surface(), 2.0, "coacd")
     assert calls == [20] and len(body.parts) == 2
     assert body.hull_excess == pytest.approx(0.0, abs=1e-14)
-    assert len(of_surface(surface_of(hull(CUBE)), 1.0).parts) == 1
-    assert len(of_surface(angle_surface(), 2.0, only_hull=True).parts) == 1
+    assert len(of_surface(surface_of(hull(CUBE)), 1.0, "coacd").parts) == 1
+    assert len(of_surface(angle_surface(), 2.0).parts) == 1
     assert len(calls) == 1
 
 
-def test_the_hull_where_coacd_is_not_installed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_coacd_where_it_is_not_installed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No other parts in its place: a scene means the same everywhere."""
     monkeypatch.setitem(sys.modules, "coacd", None)
+    with pytest.raises(ValueError, match="not installed, allowed after `pip install coacd`"):
+        of_surface(angle_surface(), 2.0, "coacd")
     assert len(of_surface(angle_surface(), 2.0).parts) == 1
+
+
+def ellipsoid(around: int, dent: float) -> Surface:
+    """A fine surface with a flat bottom of 2 m by 1.6 m, with waves where it is dented."""
+    u = np.linspace(0, 2 * np.pi, around, endpoint=False)
+    v = np.linspace(0, np.pi / 2, around // 4)[:-1]
+    along, up = np.meshgrid(u, v)
+    out = np.cos(up) * (1 + dent * np.cos(5 * along) * np.cos(up) ** 4)
+    sides = np.stack([out * np.cos(along), 0.8 * out * np.sin(along), np.sin(up)], axis=2)
+    points = np.vstack([sides.reshape(-1, 3), [[0, 0, 1], [0, 0, 0]]])
+    a = np.arange(sides[..., 0].size).reshape(len(v), around)
+    b, top, below = np.roll(a, -1, axis=1), len(points) - 2, len(points) - 1
+    strips = [(a[:-1], b[:-1], a[1:]), (b[:-1], b[1:], a[1:])]
+    strips += [(a[-1], b[-1], np.full(around, top)), (b[0], a[0], np.full(around, below))]
+    triangles = [np.stack(strip, axis=-1).reshape(-1, 3) for strip in strips]
+    return Surface(points=points, triangles=np.concatenate(triangles))
+
+
+@pytest.mark.parametrize("dent", [0.0, 0.2])
+def test_the_hull_of_a_fine_surface_is_coarse(dent: float) -> None:
+    """Each corner of the exact hull is within what is said; base and mass stay as they are."""
+    surface = ellipsoid(160, dent)
+    body, exact = of_surface(surface, 2.0), hull(surface.points)
+    size = body.size
+    assert body.coarse == pytest.approx(1e-4 * size, rel=1e-3)
+    assert len(body.corners) < 0.9 * len(exact.corners)
+    normals, first = body.parts[0].normals, [face[0] for face in body.parts[0].faces]
+    levels = np.sum(body.corners[first] * normals, axis=1)
+    off = np.array([(normals @ corner - levels).max() for corner in exact.corners])
+    assert 0.5 * body.coarse < off.max() <= body.coarse * (1 + 1e-6)
+    assert body.mass == pytest.approx(2.0 * surface.volume, rel=1e-14)
+    assert -1e-3 < body.hull_excess < 0 or dent
+    # The bottom is one face, as far as it reached.
+    low = body.bottom
+    assert low[:, 2] == pytest.approx(np.zeros(len(low)), abs=0)
+    assert body.parts[0].normals[body.parts[0].lowest_face] == pytest.approx([0, 0, -1])
+    reach, known = np.ptp(low, axis=0)[:2], np.ptp(exact.bottom, axis=0)[:2]
+    assert reach == pytest.approx(known, abs=2 * body.coarse)
+    assert body.is_convex == (not dent)
+
+
+def test_a_surface_of_few_points_keeps_all_corners() -> None:
+    surface = ellipsoid(100, 0.0)
+    body = of_surface(surface, 2.0)
+    assert body.coarse == 0 and len(body.corners) == len(hull(surface.points).corners)
 
 
 def test_unions_with_a_surface() -> None:
     """One density: the surfaces of all together. Two: refused, as one surface has one density."""
-    statue = of_surface(angle_surface(), 2.0, only_hull=True)
+    statue = of_surface(angle_surface(), 2.0)
     plinth = prism(polygon([[0, -1], [2, -1], [2, 0], [0, 0]], 2.0, 1.0), 1.0).moved([0, 0.5, 0])
     body = union([statue, plinth])
     assert body.volume == pytest.approx(5.0) and body.mass == pytest.approx(10.0)
