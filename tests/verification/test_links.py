@@ -113,6 +113,17 @@ def test_a_brittle_tether_loses_its_energy() -> None:
     after = history["time_s"] > event.time_s + 2e-3
     assert np.all(history["wire.state"][after] == 3.0)
     assert np.all(history["wire.force_N"][after] == 0.0)
+    # As it broke in that step, and from there on how far its ends are apart.
+    row = int(np.searchsorted(history["time_s"], event.time_s))
+    extension = history["wire.extension_m"]
+    assert extension[row] == pytest.approx(900.0 / 1e5, rel=1e-8)
+    assert known["peak_extension_m"] == extension[row] < extension[row + 1] < extension[row + 2]
+    place = np.stack([history["block.centre_x_m"], history["block.centre_y_m"]], axis=1)
+    angle = history["block.angle_rad"]
+    c, s = np.cos(angle), np.sin(angle)
+    edge = place + np.stack([-0.25 * c - 1.0 * s, 0.25 * s - 1.0 * c], axis=1)
+    apart = np.linalg.norm(edge - [-0.25, -1.0], axis=1)
+    assert extension[row + 1 :] == pytest.approx(apart[row + 1 :] - 1.0, abs=1e-12)
     assert result.summary["blocks"]["block"]["mode"] == "overturned"
 
 
