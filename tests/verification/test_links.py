@@ -359,6 +359,38 @@ def test_a_block_that_slides_without_turning_accounts_for_all_energy_of_its_wire
     assert np.abs(result.history["block.angle_rad"]).max() < 1e-9
 
 
+@pytest.mark.parametrize("stiffness", [1e5, 1e10, 1e13])
+def test_the_step_of_a_scene_follows_what_swings_on_its_links(stiffness: float) -> None:
+    """A twentieth of the period 2 pi sqrt(m/k), down to a tenth of the step without the link.
+
+    Steps are rounded down to 1, 2 or 5 times a power of ten.
+    """
+    link = {"name": "wire", "kind": "spring", "between": ["block", "foundation"]}
+    link |= {"at": [0.0, 2.0], "to": [0.0, 3.0], "stiffness": stiffness}
+    tables = {"block": [SLENDER], "time": {"end": 1.0}}
+    free, tied = (parse_scene(tables | more).time.step for more in ({}, {"link": [link]}))
+    period = 2 * math.pi * math.sqrt(500.0 / stiffness)
+    longest = max(min(free, period / 20), free / 10)
+    assert longest / 2.5 < tied <= longest
+    assert (tied == free) == (stiffness == 1e5)
+
+
+def test_the_force_of_a_tether_that_snaps_taut_with_steps_by_default() -> None:
+    """Within 0.5 % of that with ten times as many, though it lasts a few steps."""
+    wire = {"name": "wire", "kind": "tether", "between": ["block", "foundation"], "gap": 0.02}
+    wire |= {"at": [-0.25, 0.0], "to": [-0.25, -1.0], "stiffness": 1e10}
+    motion = {"kind": "one_sine", "amplitude_g": 0.6, "duration": 0.8}
+    tables = {"block": [SLENDER | {"friction": 1.0}], "link": [wire], "motion": motion}
+    given = parse_scene(tables | {"time": {"end": 1.2}})
+    step = given.time.step / 10
+    fine = simulate(parse_scene(tables | {"time": {"end": 1.2, "step": step}}))
+    found = simulate(given).summary
+    known = fine.summary["links"]["wire"]["peak_force_N"]
+    assert known > 1e6
+    assert found["links"]["wire"]["peak_force_N"] == pytest.approx(known, rel=5e-3)
+    assert found["energy"]["largest_gain_fraction"] < 1e-12
+
+
 @pytest.mark.parametrize("stiffness", [1e9, 1e11, 1e13])
 def test_a_stiff_link_is_solved_in_whole_steps(stiffness: float) -> None:
     """Newton's method for its impulse ends where round-off does: none is divided."""
