@@ -59,10 +59,23 @@ def _normal(spec: ForceSpec, d: int) -> tuple[int, float]:
 
 
 def factors(specs: Sequence[ForceSpec], times: Array) -> Array:
-    """The factors on forces at times (s), (times, forces)."""
-    found = np.ones((len(times), len(specs)))
+    """The factors on forces at both ends of the steps between times (s), (steps, 2, forces).
+
+    In between they are linear. Where a ramp or a table bends within a step, both ends are shifted
+    so that its mean is right and no impulse goes missing, however short a pulse is.
+    """
+    found = np.ones((len(times) - 1, 2, len(specs)))
     for number, spec in enumerate(specs):
         rows = spec.table or (((spec.ramp[0], 0.0), (spec.ramp[1], 1.0)) if spec.ramp else ())
-        if rows:
-            found[:, number] = np.interp(times, *np.transpose(rows))
+        if not rows:
+            continue
+        bends, values = np.transpose(rows)
+        ends = np.interp(times, bends, values)
+        at = np.union1d(times, bends[(bends > times[0]) & (bends < times[-1])])
+        course, step = np.interp(at, bends, values), np.searchsorted(times, at[:-1], "right") - 1
+        gained = np.diff(at) * (course[1:] + course[:-1]) / 2
+        mean = np.bincount(step, gained) / np.diff(times)
+        bent = np.bincount(step) > 1
+        shift = np.where(bent, mean - (ends[1:] + ends[:-1]) / 2, 0.0)
+        found[:, :, number] = np.stack([ends[:-1] + shift, ends[1:] + shift], axis=1)
     return found

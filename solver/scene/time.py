@@ -19,8 +19,8 @@ LARGEST_TURN = 0.01
 """Largest angle by which rigid blocks in space, which turn by 2 arctan(w dt/2) in a step, turn in
 the first step of a scene without `time.step`, rad: what they turn by is wrong by 8e-6 of it."""
 STEPS_A_PERIOD = 20
-"""Fewest steps in the shortest period of the ground's motion, and of the bodies on a link: there the
-largest force of a tether that snaps taut was off by 0.1 to 0.4 %, energy by round-off."""
+"""Fewest steps in the shortest period of the ground's motion, and of the bodies on a link: there
+the largest force of a tether that snaps taut was off by 0.1 to 0.4 %, energy by round-off."""
 MOST_FOR_LINKS = 10
 """How many times as many steps a run without `time.step` takes at most for its links: what swings
 faster acts by its means."""
@@ -44,8 +44,8 @@ class TimeSpec(Checked):
     """dt of fixed steps, s; no longer than `end`. Its effect:
     [small steps](method.md#small-steps). Default: none: steps are adaptive and resolve each impact,
     and `step` becomes a quarter of `largest`; where nothing is meshed, a thousandth of 1/p, in 3-D
-    no longer than what a block turns by 0.01 rad in as it starts; with [links](#link) a twentieth of
-    the period on the stiffest one, down to a tenth of what it is without them."""
+    no longer than what a block turns by 0.01 rad in as it starts; with links a twentieth
+    of the period on the stiffest one, down to a tenth of what it is without them."""
     stop: Literal["end", "overturned"] = "end"
     """The end of the run: at `end`, or once a block
     [has overturned](output.md#when-a-run-ends-early)."""
@@ -118,7 +118,8 @@ class TimeSpec(Checked):
 
         The frequency is p of the block that rocks fastest, 1/s, 0 without gravity; `spin` how fast
         a rigid one turns in space at the start, rad/s; the period the shortest of the ground's
-        motion, s; `links` that of the bodies of a link, s; `stiffest` the longest step that the stiffest meshed body allows, s.
+        motion, s; `links` that of the bodies of a link, s; `stiffest` the longest step that the
+        stiffest meshed body allows, s.
         """
         if not is_open(self.step):
             if self.largest is not None and self.step <= stiffest < self.largest:

@@ -195,3 +195,20 @@ def test_a_pressure_needs_the_face_of_a_box() -> None:
     }
     with pytest.raises(SceneError, match=r"pressure applies to boxes; drum has a shape"):
         parse_scene(tables)
+
+
+@pytest.mark.parametrize("step", [2e-3, 0.03, 0.3])
+def test_no_impulse_of_a_force_goes_missing_between_steps(step: float) -> None:
+    """Two pulses of 0.04 N s in all, one shorter than a step: v = J/m to round-off, and the work of
+    the input is the kinetic energy."""
+    course = [[0.0, 0.0], [0.1013, 0.0], [0.1021, 20.0], [0.1029, 0.0]]
+    course += [[0.3307, 0.0], [0.3507, 1.0], [0.3557, 3.0], [0.3659, 0.0]]
+    impulse = sum((b - a) * (f + g) / 2 for (a, f), (b, g) in pairwise(course))
+    push = {"name": "push", "on": "block", "force": [5.0, 0.0], "table": course}
+    block = {"model": "rigid", "width": 1.0, "height": 1.0, "mass": 2.0, "position": [0.0, 5.0]}
+    tables = {"block": [block], "force": [push], "gravity": 0.0}
+    result = simulate(parse_scene(tables | {"time": {"end": 0.9, "step": step}}))
+    history = result.history
+    speed = (history["block.centre_x_m"][-1] - history["block.centre_x_m"][-2]) / step
+    assert speed == pytest.approx(5.0 * impulse / 2.0, rel=1e-12)
+    assert history["energy.input_J"][-1] == pytest.approx(speed**2, rel=1e-12)
