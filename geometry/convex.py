@@ -118,10 +118,10 @@ def polygon_faces(count: int) -> Faces:
     return tuple((k, (k + 1) % count) for k in range(count))
 
 
-def triangles_of(faces: Sequence[Sequence[int]]) -> Indices:
+def triangles_of(faces: Sequence[Sequence[int] | Indices]) -> Indices:
     """The faces of a polyhedron as triangles, fans about their first corners, (m, 3)."""
     fans = [(face[0], face[k - 1], face[k]) for face in faces for k in range(2, len(face))]
-    return np.array(fans, dtype=np.int64)
+    return np.array(fans, dtype=np.int64).reshape(-1, 3)
 
 
 def normals_of(corners: Array, faces: Sequence[Sequence[int]]) -> Array:
