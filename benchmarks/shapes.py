@@ -90,7 +90,7 @@ def _block(random: np.random.Generator, d: int, name: str) -> Table:
     block: Table = {"name": name, "model": "rigid", "density": float(random.uniform(500, 8000))}
     block["friction"] = float(random.uniform(0.1, 1.5))
     kinds = ["box", "feet", "uneven", "polygon", "regular", "union"]
-    kind = str(random.choice(kinds + (["cylinder", "profile"] if d == 3 else [])))
+    kind = str(random.choice(kinds + (["cylinder", "profile", "vase", "tube"] if d == 3 else [])))
     if d == 3:
         block["thickness"] = float(random.uniform(0.2, 0.8))
     if kind in ("box", "feet", "uneven"):
@@ -119,7 +119,16 @@ def _block(random: np.random.Generator, d: int, name: str) -> Table:
     if kind == "profile":
         outline = [[0, 0], [width, 0], [0.4 * width, 0.5 * height], [0.8 * width, height]]
         block["shape"] = {"profile": [*outline, [0, height]], "sides": 12}
-    if kind in ("cylinder", "profile"):
+    if kind == "vase":  # a neck, a rim, and a wall around what is empty
+        outside = np.array([[0, 0], [0.6, 0], [1, 0.4], [0.3, 0.7], [0.5, 1]])
+        within = np.array([[0.42, 1], [0.22, 0.7], [0.9, 0.4], [0.5, 0.05], [0, 0.05]])
+        wall = np.concatenate([outside, within]) * [0.5 * width, height]
+        block["shape"] = {"profile": wall.tolist(), "sides": 12}
+    if kind == "tube":
+        inner, outer = 0.5 * width * float(random.uniform(0.3, 0.9)), 0.5 * width
+        ring = [[inner, 0], [outer, 0], [outer, height], [inner, height]]
+        block["shape"] = {"profile": ring, "sides": 16}
+    if kind in ("cylinder", "profile", "vase", "tube"):
         block.pop("thickness", None)
     if random.random() < 0.4:
         block["tilt_deg"] = float(random.uniform(-10, 10))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -118,25 +118,33 @@ def polygon_faces(count: int) -> Faces:
     return tuple((k, (k + 1) % count) for k in range(count))
 
 
-def triangles_of(faces: Sequence[Sequence[int]]) -> Indices:
+def triangles_of(faces: Sequence[Sequence[int] | Indices]) -> Indices:
     """The faces of a polyhedron as triangles, fans about their first corners, (m, 3)."""
     fans = [(face[0], face[k - 1], face[k]) for face in faces for k in range(2, len(face))]
-    return np.array(fans, dtype=np.int64)
+    return np.array(fans, dtype=np.int64).reshape(-1, 3)
 
 
-def normals_of(corners: Array, faces: Faces) -> Array:
+def normals_of(corners: Array, faces: Sequence[Sequence[int]]) -> Array:
     """Outward unit normals of faces by Newell's formula, (faces, d)."""
-    rows = []
-    for face in faces:
-        ring = corners[list(face)]
+    normals = np.zeros((len(faces), corners.shape[1]))
+    for numbers, loops in _by_length(faces):
+        rings = corners[loops]
         if corners.shape[1] == 2:
-            rows.append([ring[1, 1] - ring[0, 1], ring[0, 0] - ring[1, 0]])
+            ways = rings[:, 1] - rings[:, 0]
+            normals[numbers] = np.stack([ways[:, 1], -ways[:, 0]], axis=1)
         else:
-            ring = ring - ring[0]
-            rows.append(np.cross(ring, np.roll(ring, -1, axis=0)).sum(axis=0))
-    normals = np.array(rows)
+            rings = rings - rings[:, :1]
+            normals[numbers] = np.cross(rings, np.roll(rings, -1, axis=1)).sum(axis=1)
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     return np.asarray(normals / np.where(lengths > 0, lengths, 1.0))
+
+
+def _by_length(faces: Sequence[Sequence[int]]) -> Iterator[tuple[Indices, Indices]]:
+    """Faces with as many corners together: their numbers, (m,), and their corners, (m, k)."""
+    lengths = np.array([len(face) for face in faces])
+    for length in np.unique(lengths):
+        numbers = np.flatnonzero(lengths == length)
+        yield numbers, np.array([faces[k] for k in numbers], dtype=np.int64)
 
 
 def hull_of(points: ArrayLike, tolerance: float, name: str = "hull") -> tuple[Array, Faces]:
@@ -181,6 +189,24 @@ def hull_of(points: ArrayLike, tolerance: float, name: str = "hull") -> tuple[Ar
     numbers = sorted({k for face in faces for k in face})
     place = {number: k for k, number in enumerate(numbers)}
     return given[numbers], tuple(tuple(place[k] for k in face) for face in faces)
+
+
+def few_corners(points: Array, tolerance: float) -> Array:
+    """Some of many points, (n, d), m: no other one is farther than a distance (m) off their hull.
+
+    Qhull (Barber, Dobkin and Huhdanpaa, ACM Trans. Math. Softw. 22, 1996) takes the farthest point
+    over each facet in turn, and ends where all are as near as that (its option W).
+    """
+    from scipy.spatial import ConvexHull, QhullError  # slow to import
+
+    size = size_of(points)
+    try:
+        found = ConvexHull(
+            (points - points.mean(axis=0)) / size, qhull_options=f"Qt W{tolerance / size:.3e}"
+        )
+    except (QhullError, ValueError):  # all in one plane, or the like: `hull_of` says so
+        return points
+    return points[np.sort(found.vertices)]
 
 
 def _merged(points: Array, triangles: Indices, tolerance: float) -> list[list[int]]:
@@ -231,7 +257,7 @@ def _merged(points: Array, triangles: Indices, tolerance: float) -> list[list[in
             loops.append(loop)
     straight = _without_straight_edges(points, loops)
     if min(len(loop) for loop in straight) > 2:
-        return [_begun_well(points, loop) for loop in straight]
+        return _begun_well(points, straight)
     return corners
 
 
@@ -257,12 +283,16 @@ def _without_straight_edges(points: Array, loops: list[list[int]]) -> list[list[
     return [[corner for corner in loop if faces_at[corner] > 2] for loop in loops]
 
 
-def _begun_well(points: Array, loop: list[int]) -> list[int]:
-    """The same loop, begun where its first three corners give its plane best."""
-    ring = points[loop]
-    first, second = np.roll(ring, -1, axis=0) - ring, np.roll(ring, -2, axis=0) - ring
-    best = int(np.argmax(np.round(np.linalg.norm(np.cross(first, second), axis=1), 9)))
-    return [*loop[best:], *loop[:best]]
+def _begun_well(points: Array, loops: list[list[int]]) -> list[list[int]]:
+    """The same loops, each begun where its first three corners give its plane best."""
+    found: list[list[int]] = [[]] * len(loops)
+    for numbers, corners in _by_length(loops):
+        rings = points[corners]
+        first, second = (np.roll(rings, -k, axis=1) - rings for k in (1, 2))
+        areas = np.round(np.linalg.norm(np.cross(first, second), axis=2), 9)
+        for number, best in zip(numbers, np.argmax(areas, axis=1), strict=True):
+            found[number] = [*loops[number][best:], *loops[number][:best]]
+    return found
 
 
 def _turning(points: Array, ring: list[int], tolerance: float) -> list[int]:
@@ -286,36 +316,35 @@ def _check_polygon(corners: Array, faces: Faces, size: float) -> None:
         raise ValueError(f"Convex.corners: got {count} corners, allowed 3 or more")
     if faces != polygon_faces(count):
         raise ValueError(f"Convex.faces: got {faces[:3]} ..., allowed (0, 1), (1, 2), ...")
-    place = _not_convex(corners, np.array([0.0, 0.0]), size)
-    if place is not None:
+    place = _not_convex(corners[None], np.zeros((1, 2)), size)[0]
+    if place >= 0:
         raise ValueError(
             f"Convex.corners: got a corner that is not convex at {told(corners[place])},"
             " allowed a convex polygon, anticlockwise"
         )
 
 
-def _not_convex(ring: Array, normal: Array, size: float) -> int | None:
-    """Number of a corner of a flat ring that does not turn left; None if it is convex.
+def _not_convex(rings: Array, normals: Array, size: float) -> Indices:
+    """Number of a corner of each flat ring that does not turn left; -1 if it is convex, (m,).
 
     Args:
-        ring: Corners, (n, 2) or (n, 3).
-        normal: Unit normal towards whom they turn left; not used of (n, 2).
+        rings: Corners of rings, (m, k, 2) or (m, k, 3).
+        normals: Unit normals towards whom they turn left, (m, 3); not used of (m, k, 2).
         size: The size of the body, m.
     """
-    sides = np.roll(ring, -1, axis=0) - ring
-    before = np.roll(sides, 1, axis=0)
-    lengths = np.linalg.norm(sides, axis=1)
-    if (lengths <= 1e-12 * size).any():
-        return int(np.argmin(lengths))
-    if ring.shape[1] == 2:
-        across = before[:, 0] * sides[:, 1] - before[:, 1] * sides[:, 0]
+    sides = np.roll(rings, -1, axis=1) - rings
+    before = np.roll(sides, 1, axis=1)
+    lengths = np.linalg.norm(sides, axis=2)
+    if rings.shape[2] == 2:
+        across = before[..., 0] * sides[..., 1] - before[..., 1] * sides[..., 0]
     else:
-        across = np.cross(before, sides) @ normal
-    angles = np.arctan2(across, np.einsum("ni,ni->n", before, sides))
-    off = -across / np.maximum(np.linalg.norm(sides + before, axis=1), 1e-300)
-    if (off > FLAT * size).any() or not abs(angles.sum() - 2 * math.pi) < 1:
-        return int(np.argmin(angles))
-    return None
+        across = np.einsum("mki,mi->mk", np.cross(before, sides), normals)
+    angles = np.arctan2(across, np.einsum("mki,mki->mk", before, sides))
+    off = -across / np.maximum(np.linalg.norm(sides + before, axis=2), 1e-300)
+    bad = (off > FLAT * size).any(axis=1) | ~(np.abs(angles.sum(axis=1) - 2 * math.pi) < 1)
+    short = (lengths <= 1e-12 * size).any(axis=1)
+    worst = np.where(short, lengths.argmin(axis=1), angles.argmin(axis=1))
+    return np.where(bad | short, worst, -1)
 
 
 def _check_polyhedron(corners: Array, faces: Faces, size: float) -> None:
@@ -351,26 +380,34 @@ def _check_polyhedron(corners: Array, faces: Faces, size: float) -> None:
             " corners in no face, allowed 2 and 0 (Euler)"
         )
     normals = normals_of(corners, faces)
-    levels = np.array([corners[face[0]] @ n for face, n in zip(faces, normals, strict=True)])
-    for number, face in enumerate(faces):
-        ring = corners[list(face)]
-        off = np.abs((ring - ring[0]) @ normals[number]).max()
-        if off > FLAT * size or not normals[number].any():
+    levels = np.einsum("ni,ni->n", corners[[face[0] for face in faces]], normals)
+    pairs = np.array([(number, owner[end, start]) for (start, end), number in owner.items()])
+    for numbers, loops in _by_length(faces):
+        rings, up = corners[loops], normals[numbers]
+        off = np.abs(np.einsum("mki,mi->mk", rings - rings[:, :1], up)).max(axis=1)
+        bad = np.flatnonzero((off > FLAT * size) | ~up.any(axis=1))
+        if len(bad):
             raise ValueError(
-                f"Convex.faces: got a face at {told(ring[0])} that is not flat by {off:.3g} m,"
-                f" allowed {FLAT * size:.3g}"
+                f"Convex.faces: got a face at {told(rings[bad[0], 0])} that is not flat by"
+                f" {off[bad[0]]:.3g} m, allowed {FLAT * size:.3g}"
             )
-        place = _not_convex(ring, normals[number], size)
-        if place is not None:
+        places = _not_convex(rings, up, size)
+        bad = np.flatnonzero(places >= 0)
+        if len(bad):
             raise ValueError(
-                f"Convex.faces: got a face with a corner at {told(ring[place])} that is not"
-                " convex, allowed convex faces"
+                f"Convex.faces: got a face with a corner at {told(rings[bad[0], places[bad[0]]])}"
+                " that is not convex, allowed convex faces"
             )
-        beside = {owner[e, s] for s, e in zip(face, [*face[1:], face[0]], strict=True)}
-        for other in beside:
-            above = float((corners[list(faces[other])] @ normals[number]).max()) - levels[number]
-            if above > FLAT * size:
-                raise ValueError(
-                    f"Convex.corners: got a corner {above:.3g} m above a face at {told(ring[0])},"
-                    " allowed a convex polyhedron, faces outwards"
-                )
+        # The faces beside these, which must not rise above them.
+        place = np.full(len(faces), -1)
+        place[numbers] = np.arange(len(numbers))
+        lower = pairs[place[pairs[:, 1]] >= 0]
+        heights = np.einsum("mki,mi->mk", rings[place[lower[:, 1]]], normals[lower[:, 0]])
+        above = heights.max(axis=1, initial=-np.inf) - levels[lower[:, 0]]
+        if (above > FLAT * size).any():
+            worst = int(np.argmax(above > FLAT * size))
+            foot = corners[faces[lower[worst, 0]][0]]
+            raise ValueError(
+                f"Convex.corners: got a corner {above[worst]:.3g} m above a face at {told(foot)},"
+                " allowed a convex polyhedron, faces outwards"
+            )

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from geometry.convex import triangles_of
 from solver.types import Array, Indices
 
 KINDS = {"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4"}
@@ -135,8 +136,7 @@ def read_ply(file: Path, most: int) -> tuple[Array, Indices]:
                 if not {"x", "y", "z"} <= columns.keys():
                     raise ValueError(f"got points with {', '.join(columns)}, allowed x, y and z")
                 points = np.stack([columns[axis] for axis in "xyz"], axis=1)
-    fans = [(face[0], face[k - 1], face[k]) for face in faces for k in range(2, len(face))]
-    return points, np.array(fans).reshape(-1, 3).astype(np.int64)
+    return points, triangles_of([face.astype(np.int64) for face in faces])
 
 
 def _parsed(head: str) -> tuple[str, list[Element]]:

@@ -50,8 +50,7 @@ def simple_polygon(points: ArrayLike, name: str = "polygon") -> Array:
     if height <= near:
         raise ValueError(f"{name}: got points on one line, allowed an outline with an area")
     _refuse_crossing(corners, near, name)
-    area = _area(corners)
-    return _without_straight(corners if area > 0 else corners[::-1], near)
+    return without_straight(corners if area_of(corners) > 0 else corners[::-1], near)
 
 
 def real_points(points: ArrayLike, name: str, *dimensions: int) -> Array:
@@ -72,6 +71,26 @@ def real_points(points: ArrayLike, name: str, *dimensions: int) -> Array:
 def told(place: Array) -> str:
     """A place in words of a message, m."""
     return "[" + ", ".join(f"{x:.6g}" for x in place) + "]"
+
+
+def area_of(corners: Array) -> float:
+    """Signed area of a polygon, m^2; positive anticlockwise."""
+    x, y = (corners - corners.mean(axis=0)).T
+    return float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))) / 2
+
+
+def without_straight(corners: Array, near: float) -> Array:
+    """The corners where the outline turns: none that is within `near` of the line past it."""
+    kept = list(range(len(corners)))
+    place = 0
+    while place < len(kept) and len(kept) > 3:
+        before, here, after = (kept[(place + k) % len(kept)] for k in (-1, 0, 1))
+        if _to_segment(corners[here], corners[before], corners[after]) <= near:
+            del kept[place]
+            place = max(place - 1, 0)
+        else:
+            place += 1
+    return corners[kept]
 
 
 def convex_pieces(corners: Array) -> list[Array]:
@@ -100,13 +119,7 @@ def convex_pieces(corners: Array) -> list[Array]:
         if _all_convex(corners[joined], near):
             owner |= dict.fromkeys(_pairs(pieces.pop(second)), first)
             pieces[first] = joined
-    return [_without_straight(corners[piece], near) for piece in pieces.values()]
-
-
-def _area(corners: Array) -> float:
-    """Signed area, m^2; positive anticlockwise."""
-    x, y = (corners - corners.mean(axis=0)).T
-    return float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))) / 2
+    return [without_straight(corners[piece], near) for piece in pieces.values()]
 
 
 def _pairs(loop: Sequence[int]) -> list[tuple[int, int]]:
@@ -165,20 +178,6 @@ def _to_segment(point: Array, start: Array, end: Array) -> Array:
     share = np.sum((point - start) * side, axis=-1) / np.sum(side * side, axis=-1)
     foot = start + np.clip(share, 0.0, 1.0)[..., None] * side
     return np.asarray(np.linalg.norm(point - foot, axis=-1))
-
-
-def _without_straight(corners: Array, near: float) -> Array:
-    """The corners where the outline turns: none that is within `near` of the line past it."""
-    kept = list(range(len(corners)))
-    place = 0
-    while place < len(kept) and len(kept) > 3:
-        before, here, after = (kept[(place + k) % len(kept)] for k in (-1, 0, 1))
-        if _to_segment(corners[here], corners[before], corners[after]) <= near:
-            del kept[place]
-            place = max(place - 1, 0)
-        else:
-            place += 1
-    return corners[kept]
 
 
 def _turns(corners: Array) -> Array:

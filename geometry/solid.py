@@ -12,7 +12,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,14 +20,26 @@ from numpy.typing import ArrayLike
 from geometry.convex import (
     Convex,
     Faces,
+    few_corners,
     hull_of,
     polygon_faces,
     refuse_density,
     triangles_of,
 )
 from geometry.moments import Moments, together
-from geometry.polygon import NEAR, convex_pieces, real_points, simple_polygon, size_of, told, turn
-from geometry.surface import Surface
+from geometry.polygon import (
+    NEAR,
+    area_of,
+    convex_pieces,
+    edges_of,
+    real_points,
+    simple_polygon,
+    size_of,
+    told,
+    turn,
+    without_straight,
+)
+from geometry.surface import Surface, merged
 from geometry.surface_file import read_surface
 from solver.types import Array
 
@@ -52,8 +64,22 @@ SINGLE = 1e-6
 """What a number of single precision, as most files of surfaces have them, is good for as a part of
 the size: corners so near to a plane are on it."""
 
+MOST_POINTS = 5000
+"""Points of a surface of which the hull has all corners; of more it has those that it needs to be
+off by no more than `COARSE`."""
+
+COARSE = 1e-4
+"""How far a point of a fine surface may be off its hull, as a part of the size; twice as far, and
+so on, where the hull has more corners than contacts have numbers for."""
+
 MOST_SIDES = 1000
 """Facets that a round shape may have."""
+
+MOST_PARTS = 512
+"""Convex parts that a body may have: contacts are told apart by their numbers (`Feature::id`)."""
+
+MOST_EDGES = 1 << 16
+"""Edges that a part may have, for the same reason; it has fewer corners and faces."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -73,6 +99,8 @@ class Solid:
     """The true surface, in space, that volume, mass, centre and inertia are of; else of parts."""
     density: float | None = None
     """rho within the surface, kg/m^3, > 0; None without one: each part has its own."""
+    coarse: float = 0.0
+    """How far points of the surface may be outside of the parts, m."""
     masses: Moments = field(init=False)
     """Mass, centre and its second moments about it."""
 
@@ -85,6 +113,7 @@ class Solid:
                 "Solid.parts: got polygons and polyhedra, allowed parts of one dimension"
             )
         _refuse_not_positive("Solid.thickness", self.thickness)
+        _refuse_too_many(self.parts)
         if self.surface is None:
             if self.density is not None:
                 raise ValueError(
@@ -118,13 +147,16 @@ class Solid:
 
     @property
     def hull_excess(self) -> float:
-        """Volume of the parts over that of the surface, minus 1; 0 without a surface."""
+        """Volume of the parts over that of the surface, minus 1; 0 without a surface.
+
+        Below 0 where a coarse hull is smaller than a convex surface.
+        """
         return 0.0 if self.surface is None else self.parts_volume / self.surface.volume - 1
 
     @property
     def is_convex(self) -> bool:
         """True if it is one convex part, and no more than that."""
-        return len(self.parts) == 1 and abs(self.hull_excess) <= SINGLE
+        return len(self.parts) == 1 and self.hull_excess <= SINGLE
 
     @property
     def mass(self) -> float:
@@ -261,22 +293,30 @@ def prism(outline: Solid, thickness: float) -> Solid:
 def turned(profile: ArrayLike, sides: int, density: float) -> Solid:
     """A solid of revolution about the vertical axis, with facets; one of them looks along +x.
 
-    A profile that is not convex is cut at the levels of its re-entrant corners, into as few parts
-    as level cuts make.
+    Its parts fill at each level what is within the largest radius there, cut at the levels of
+    re-entrant corners, into as few parts as level cuts make. Where the profile leaves something of
+    that empty (hollows, undercuts), the parts are for contact, and its mass is that of its surface.
 
     Args:
-        profile: The outline [[r, z], ...] of one half, m, with a side along the axis r = 0. From
-            the axis it goes up all the way, or level: no undercuts, no hollows.
+        profile: The outline [[r, z], ...] of one half, m, r >= 0: from the axis r = 0 to the axis,
+            or that of a ring.
         sides: Facets around; corners lie on the circles of the profile, so that facets are inside
             them by `chord_error`.
         density: kg/m^3.
     """
     _refuse_sides("sides", sides)
+    outline = _half_outline(profile)
+    filled = _filled(outline)
     parts = []
-    for piece in _frusta(_half_outline(profile)):
+    for piece in _frusta(filled):
         corners, faces = _revolved(piece, sides)
         parts.append(Convex(corners=corners, faces=faces, density=density))
-    return Solid(parts=tuple(parts))
+    if area_of(filled) - area_of(outline) <= 10 * NEAR * size_of(outline) ** 2:
+        return Solid(parts=tuple(parts))
+    corners, loops = _rings([*outline, outline[0]], sides)
+    points, triangles = merged(corners, triangles_of(loops))
+    surface = Surface(points=points, triangles=triangles, name="profile")
+    return Solid(parts=tuple(parts), surface=surface, density=density)
 
 
 def cylinder(diameter: float, height: float, sides: int, density: float) -> Solid:
@@ -308,26 +348,29 @@ def hull(points: ArrayLike, density: float = 1.0, thickness: float = 1.0) -> Sol
     return Solid(parts=(part,), thickness=thickness)
 
 
-def of_surface(surface: Surface, density: float, *, only_hull: bool = False) -> Solid:
+def of_surface(surface: Surface, density: float, parts: Literal["hull", "coacd"] = "hull") -> Solid:
     """A body with the mass properties of a surface, and convex parts for contact.
 
-    Its parts are those of CoACD (Wei et al., ACM Trans. Graph. 41, 2022) where `coacd` is
-    installed and the surface is not convex; else its convex hull, see `Solid.hull_excess`.
-    Those of CoACD 1.0.14 are off by some 1e-4 of the size, the hull by 1e-6.
-    Corners within 1e-6 of the size above the lowest one are put on its level, to which files of
-    single precision do not tell them apart.
+    The hull is off by 1e-6 of the size, and of a surface of many points by `COARSE`; the parts of
+    CoACD 1.0.14 by some 1e-4 of the size. Corners within 1e-6 of the size above the lowest one are
+    put on its level, to which files of single precision do not tell them apart.
 
     Args:
         surface: A closed surface.
         density: kg/m^3.
-        only_hull: The hull also where `coacd` is installed, so that all machines find the same.
+        parts: Its convex hull, see `Solid.hull_excess`; or, where it is not convex, what CoACD
+            (Wei et al., ACM Trans. Graph. 41, 2022) cuts it into.
+
+    Raises:
+        ValueError: CoACD is not installed, or makes too many parts.
     """
-    whole = _hull_part(surface.points[np.unique(surface.triangles)], density, surface.name)
-    parts = [whole]
-    if not only_hull and whole.moments.volume > (1 + SINGLE) * surface.volume:
-        pieces = _cut_by_coacd(surface)
-        parts = [_hull_part(piece, density, surface.name) for piece in pieces] or parts
-    return Solid(parts=tuple(parts), surface=surface, density=density)
+    points = surface.points[np.unique(surface.triangles)]
+    whole, coarse = _hull_part(points, density, surface.name)
+    found = [whole]
+    if parts == "coacd" and whole.moments.volume > (1 + SINGLE) * surface.volume:
+        pieces = [_hull_part(piece, density, surface.name) for piece in _cut_by_coacd(surface)]
+        found, coarse = [part for part, _ in pieces], max(off for _, off in pieces)
+    return Solid(parts=tuple(found), surface=surface, density=density, coarse=coarse)
 
 
 def union(solids: Sequence[Solid]) -> Solid:
@@ -362,6 +405,17 @@ def _refuse_not_positive(name: str, value: float) -> None:
         raise ValueError(f"{name}: got {value}, allowed a number > 0")
 
 
+def _refuse_too_many(parts: Sequence[Convex]) -> None:
+    """More parts, or edges of a part, than contacts can have numbers of."""
+    if len(parts) > MOST_PARTS:
+        raise ValueError(f"Solid.parts: got {len(parts)}, allowed at most {MOST_PARTS}")
+    edges = max(len(part.corners) + len(part.faces) - 2 for part in parts)
+    if edges > MOST_EDGES:
+        raise ValueError(
+            f"Solid.parts: got one of {edges} edges, allowed at most {MOST_EDGES}; make it coarser"
+        )
+
+
 def _refuse_sides(name: str, count: int) -> None:
     """A round shape has some facets, and a whole number of them."""
     if count != int(count) or not 3 <= count <= MOST_SIDES:
@@ -381,37 +435,40 @@ def _extruded(part: Convex, thickness: float) -> Convex:
 
 
 def _half_outline(profile: ArrayLike) -> Array:
-    """The points [r, z] of a profile from the lower one on the axis to the upper one."""
+    """The points [r, z] of a profile, anticlockwise, those near the axis on it."""
     given = real_points(profile, "profile", 2)
     near = NEAR * size_of(given) if len(given) else 0.0
     given[np.abs(given[:, 0]) <= near, 0] = 0.0
     if (given[:, 0] < 0).any():
         worst = given[np.argmin(given[:, 0])]
         raise ValueError(f"profile: got the point {told(worst)}, allowed [r, z] with r >= 0")
-    outline = simple_polygon(given, "profile")
-    on_axis = np.flatnonzero(outline[:, 0] == 0)
-    if len(on_axis) < 2:
-        raise ValueError(
-            "profile: got no side along the axis r = 0, allowed the outline of a body without"
-            " hollow, from the axis to the axis"
-        )
-    if len(on_axis) > 2:
-        raise ValueError(
-            f"profile: got {len(on_axis)} points on the axis r = 0, allowed two, with all between"
-        )
-    # Anticlockwise the outline comes down the axis; it begins where this side ends.
-    lower = on_axis[np.argmin(outline[on_axis, 1])]
-    chain = np.roll(outline, -lower, axis=0)
-    if chain[-1, 0] != 0:
-        raise ValueError("profile: got no side along the axis r = 0, allowed one, without hollow")
-    rises = np.diff(chain[:, 1])
-    if (rises < -near).any():
-        worst = chain[int(np.argmax(rises < -near))]
-        raise ValueError(
-            f"profile: got an undercut after [r, z] = {told(worst)}, allowed an outline that never"
-            " goes down between its ends on the axis"
-        )
-    return chain
+    return simple_polygon(given, "profile")
+
+
+def _filled(outline: Array) -> Array:
+    """The outline with all that is within its largest radius at each level, along the axis first.
+
+    Between two levels of its points one side of the outline is the outermost.
+    """
+    near = NEAR * size_of(outline)
+    levels = np.unique(outline[:, 1])
+    levels = levels[np.diff(levels, prepend=-np.inf) > near]
+    radius = outline[:, 0]
+    place = np.searchsorted(levels, outline[:, 1], side="right") - 1
+    ring = [np.array([0.0, levels[0]])]
+    for slab in range(len(levels) - 1):
+        ends = levels[slab : slab + 2]
+        best = np.zeros(2)
+        for start, end in edges_of(len(outline)):
+            low, high = (start, end) if place[start] < place[end] else (end, start)
+            if place[low] <= slab < place[high]:
+                part = (ends - levels[place[low]]) / (levels[place[high]] - levels[place[low]])
+                across = radius[low] * (1 - part) + radius[high] * part
+                best = max(best, across, key=np.sum)
+        ring += [np.array([r, z]) for r, z in zip(best, ends, strict=True)]
+    ring.append(np.array([0.0, levels[-1]]))
+    apart = [ring[0], *(b for a, b in pairwise(ring) if np.abs(b - a).max() > near)]
+    return without_straight(np.array(apart), near)
 
 
 def _frusta(chain: Array) -> list[Array]:
@@ -432,7 +489,15 @@ def _frusta(chain: Array) -> list[Array]:
 
 
 def _revolved(chain: Array, sides: int) -> tuple[Array, Faces]:
-    """Corners and faces of a convex piece turned about the axis; rings, or tips on the axis."""
+    """Corners and faces of a convex piece turned about the axis."""
+    corners, faces = _rings(chain, sides)
+    first, last = (sides if r > 0 else 1 for r in (chain[0, 0], chain[-1, 0]))
+    ends = tuple(reversed(range(first))), tuple(range(len(corners) - last, len(corners)))
+    return corners, tuple(face for face in (*ends, *faces) if len(face) > 2)
+
+
+def _rings(chain: Sequence[Array] | Array, sides: int) -> tuple[Array, Faces]:
+    """Corners of a chain turned about the axis, rings or tips on the axis, and faces in between."""
     angles = np.pi / sides * (2 * np.arange(sides) + 1)
     circle = np.stack([np.cos(angles), np.sin(angles)], axis=1)
     rows: list[list[int]] = []
@@ -442,7 +507,7 @@ def _revolved(chain: Array, sides: int) -> tuple[Array, Faces]:
         ring = r * circle if r > 0 else np.zeros((1, 2))
         corners.append(np.column_stack([ring, np.full(len(ring), z)]))
         rows.append(list(range(begin, begin + len(ring))))
-    faces = [tuple(reversed(rows[0])), tuple(rows[-1])]
+    faces = []
     for lower, upper in pairwise(rows):
         for k in range(sides):
             below = [lower[k % len(lower)], lower[(k + 1) % sides % len(lower)]]
@@ -451,20 +516,35 @@ def _revolved(chain: Array, sides: int) -> tuple[Array, Faces]:
     return np.concatenate(corners), tuple(face for face in faces if len(face) > 2)
 
 
-def _hull_part(points: Array, density: float, name: str) -> Convex:
-    """The convex hull of points of single precision, its lowest corners on one level."""
-    corners, faces = hull_of(points, SINGLE, name)
+def _hull_part(points: Array, density: float, name: str) -> tuple[Convex, float]:
+    """The convex hull of points of single precision, its lowest corners on one level.
+
+    Returns:
+        The hull, and by how much points may be off it, m.
+    """
+    size, coarse = size_of(points), 0.0
+    chosen = points
+    while len(chosen) > MOST_POINTS if not coarse else len(chosen) > MOST_EDGES // 3:
+        coarse = 2 * coarse or COARSE * size
+        lowest = points[points[:, 2] <= points[:, 2].min() + SINGLE * size]
+        if len(np.unique(lowest[:, :2], axis=0)) > 2:  # on which it stands
+            flat = few_corners(lowest[:, :2], coarse)
+            lowest = np.column_stack([flat, np.full(len(flat), points[:, 2].min())])
+        chosen = np.concatenate([few_corners(points, coarse), lowest])
+    corners, faces = hull_of(chosen, SINGLE, name)
     low = corners[:, 2].min()
     corners[corners[:, 2] <= low + SINGLE * size_of(corners), 2] = low
-    return Convex(corners=corners, faces=faces, density=density)
+    return Convex(corners=corners, faces=faces, density=density), coarse
 
 
 def _cut_by_coacd(surface: Surface) -> list[Array]:
-    """Points of convex pieces of a surface by CoACD; none where it is not installed."""
+    """Points of convex pieces of a surface by CoACD."""
     try:
         coacd: Any = importlib.import_module("coacd")
     except ImportError:
-        return []
+        raise ValueError(
+            'got contact = "coacd", which is not installed, allowed after `pip install coacd`'
+        ) from None
     coacd.set_log_level("error")
     pieces = coacd.run_coacd(coacd.Mesh(surface.points, surface.triangles), seed=0)
     return [np.asarray(points, dtype=np.float64) for points, _ in pieces]
@@ -493,7 +573,8 @@ def _with_one_surface(solids: Sequence[Solid], parts: tuple[Convex, ...]) -> Sol
     surface = Surface(
         points=np.concatenate(points), triangles=np.concatenate(triangles), name="union"
     )
-    return Solid(parts=parts, surface=surface, density=densities[0])
+    coarse = max(solid.coarse for solid in solids)
+    return Solid(parts=parts, surface=surface, density=densities[0], coarse=coarse)
 
 
 def _refuse_overlap(first: Solid, second: Solid) -> None:

@@ -110,13 +110,34 @@ def merged(points: Array, triangles: Indices) -> tuple[Array, Indices]:
 
     Exact duplicates first, then those within `SAME` of the size; points of no facet are left out.
     """
-    points, place = np.unique(points, axis=0, return_inverse=True)
-    triangles = place.reshape(-1)[triangles]
+    points, place = _distinct(points)
+    triangles = place[triangles]
     points, triangles = _close_ones(points, triangles)
     a, b, c = triangles.T
     triangles = triangles[(a != b) & (b != c) & (c != a)]
     used, place = np.unique(triangles, return_inverse=True)
     return points[used], place.reshape(-1, 3).astype(np.int64)
+
+
+def _distinct(points: Array) -> tuple[Array, Indices]:
+    """Points without repetition, sorted, and the number of each one there.
+
+    As `numpy.unique` along an axis, which takes five times as long, by one number for each point
+    that is made of its bits.
+    """
+    points = points + 0.0  # no -0.0
+    odd = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], dtype=np.uint64)
+    bits = np.ascontiguousarray(points).view(np.uint64)
+    key = ((bits ^ (bits >> np.uint64(29))) * odd).sum(axis=1, dtype=np.uint64)
+    _, first, place = np.unique(key, return_index=True, return_inverse=True)
+    found = points[first]
+    if not np.array_equal(found[place.reshape(-1)], points):  # two points with one number
+        found, place = np.unique(points, axis=0, return_inverse=True)
+        return found, place.reshape(-1)
+    order = np.lexsort(found.T[::-1])
+    rank = np.empty_like(order)
+    rank[order] = np.arange(len(order))
+    return found[order], rank[place.reshape(-1)]
 
 
 def _close_ones(points: Array, triangles: Indices) -> tuple[Array, Indices]:

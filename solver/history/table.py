@@ -305,7 +305,8 @@ TABLE = (
         "LINK.extension_m",
         "m",
         "By how much it is longer than its length without stretch; of a link along axes that along"
-        " the vertical one, positive where the bodies part; as it was when it broke.",
+        " the vertical one, positive where the bodies part; once it is broken by how much its ends"
+        " are farther apart, in the step in which it breaks as it was at that instant.",
     ),
     Column("LINK.state", "-", "0: slack, 1: taut, 2: has flowed, 3: broken."),
     Column(

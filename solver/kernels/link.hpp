@@ -90,7 +90,7 @@ template <int d> struct Link {
     Vec<d> plastic{};           // m
     Vec<d> force{};             // of the last piece of a step, N, in tension
     Vec<d> mean{};              // of the forces over the last step, N
-    Vec<d> extension{};         // at its end, m
+    Vec<d> extension{};         // at its end, m; in the step in which it breaks as it was then
     bool broken = false;
     double broken_at = 0;       // s
     double lost = 0;            // energy that it had when it broke, J

@@ -140,7 +140,7 @@ template <int d> int run(World<d>& world, int steps, double dt, double smallest,
             }
         const std::size_t all = d * world.forces.size();
         for (std::size_t f = 0; f < world.forces.size(); f++) {
-            const double *start = forces + all * static_cast<std::size_t>(i) + d * f, *end = start + all;
+            const double *start = forces + 2 * all * static_cast<std::size_t>(i) + d * f, *end = start + all;
             world.forces[f].start = read<d>(start);
             world.forces[f].end = read<d>(end);
         }
@@ -260,7 +260,7 @@ void world_begin(void* handle, const int* law_of, const int* carriers, const int
     });
 }
 
-/// `forces` has the forces at the ends of the steps, (steps + 1, forces, d).
+/// `forces` has the forces at both ends of each step, (steps, 2, forces, d).
 int world_run(void* handle, int steps, double dt, double smallest, const double* ground, const double* shift, const double* forces,
               double* of_bodies, double* of_steps, double* of_links, double* of_parts) {
     std::vector<double>& of_pairs = static_cast<Handle*>(handle)->pairs;

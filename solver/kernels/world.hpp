@@ -170,9 +170,11 @@ template <int d> class World {
         smallest_ = smallest;
         whole_ = dt;
         number_++;
-        const double end = time + dt;
+        const double begin = time, end = time + dt;
         const bool solved = advance(0, moving_, {time, dt, ground, CUTS});
         if (solved) time = end;
+        for (Link<d>& link : links)  // in the step in which it breaks it keeps the extension that it broke at
+            if (link.broken && link.broken_at <= begin) link.extension = link.measure(bodies[link.a].placement(), bodies[link.b].placement());
         if (number_ % 64 == 0) memory_.forget_before(number_ - 2);
         if (tells_pairs) measure_pairs();
         return solved;

@@ -427,11 +427,11 @@ class World:
             smallest: Length below which none is divided.
             ground: Accelerations of the ground at the ends of the steps, (count + 1, d), m/s2.
             shift: By how much the mean over each step exceeds that of its ends, (count, d), m/s2.
-            forces: Applied forces at the ends of the steps, (count + 1, forces, d), N; None: 0.
+            forces: Applied forces at both ends of each step, (count, 2, forces, d), N; None: 0.
         """
         rooms = self._room(count)
         if forces is None:
-            forces = np.zeros((count + 1, self._forces, self._d))
+            forces = np.zeros((count, 2, self._forces, self._d))
         done = self._library.world_run(
             self._handle,
             count,

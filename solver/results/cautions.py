@@ -91,14 +91,18 @@ def _densities(scene: Scene) -> list[str]:
 
 def _hulls(scene: Scene) -> list[str]:
     """Surfaces of files that contacts do not see as they are."""
-    solids = {block.name: block.shape.solid for block in scene.blocks}
-    return [
-        f"contacts see {name} larger than its surface by {percent(solid.hull_excess)} % of its "
-        f"volume, as {'its convex hull' if len(solid.parts) == 1 else 'convex parts'}: others "
-        "touch it where it is hollow; give parts as shape.union"
-        for name, solid in solids.items()
-        if solid is not None and solid.hull_excess > LARGEST_EXCESS
-    ]
+    found = []
+    for block in scene.blocks:
+        solid, spec = block.shape.solid, block.shape_of
+        if solid is None or spec is None or not solid.hull_excess > LARGEST_EXCESS:
+            continue
+        seen = "its convex hull" if len(solid.parts) == 1 else "convex parts"
+        found.append(
+            f"contacts see {block.name} larger than its surface by {percent(solid.hull_excess)} % "
+            f"of its volume, as {seen}: others touch it where it is hollow"
+            + ("; give parts as shape.union" if spec.kind == "file" else "")
+        )
+    return found
 
 
 def percent(part: float) -> str:

@@ -54,6 +54,7 @@ from solver.results.endings import beyond_return, fallen, has_ends
 from solver.results.motion import (
     CLEAR,
     SMALLEST_LIFT,
+    SMALLEST_WAY,
     Columns,
     centres,
     flights,
@@ -359,6 +360,10 @@ class _Search:
     def run(self, *, firm: bool, ends: bool) -> Iterator[Event]:
         """The events that are certain; all where the run ends here."""
         self._motion = motion = _motion(self._scene, self._block, self._rows, self._carrier)
+        self._low = motion.gaps.min(axis=1)
+        self._off = (motion.normal <= 0) & (self._low > CLEAR * self._block.width)
+        # What carries the block and all on it at rest, N.
+        self._weight = -self._scene.stacked_mass(self._block) * motion.pull[:, 1]
         yield from self._endings()
         if len(motion.time) > 2:
             yield from self._flights(ends=ends)
@@ -395,23 +400,30 @@ class _Search:
                 yield self._event(time, kind)
 
     def _flights(self, *, ends: bool) -> Iterator[Event]:
-        """Events at which it leaves what carries it, and at which it lands again."""
-        m, tiny = self._motion, CLEAR * self._block.width
-        low = m.gaps.min(axis=1)
-        off = (m.normal <= 0) & (low > tiny)
+        """Events at which it leaves what carries it, and at which it lands again.
+
+        A flight is told as soon as it counts for certain, so that a long one needs no old rows.
+        """
+        m, low, off, width = self._motion, self._low, self._off, self._block.width
+        counts, on = flights(m.normal, m.gaps, m.slip, width), np.flatnonzero(~off)
+        told = self._noted.pop("aloft", None) is not None and bool(off[0])
+        if told:
+            counts[: on[0] + 1 if len(on) else None] = True
         if off[-1] and not ends:
-            on = np.flatnonzero(~off)
-            self.needed = min(self.needed, max(int(on[-1]) - 2, 0) if len(on) else 0)
-        mask = np.r_[False, flights(m.normal, m.gaps, m.slip, self._block.width), False]
+            begun = int(on[-1]) + 1 if len(on) else 0
+            if low[begun:].max() > SMALLEST_WAY * width or (told and not begun):
+                self._noted["aloft"] = float(m.time[-1])
+            else:
+                counts[begun:] = False
+                self.needed = min(self.needed, max(begun - 3, 0))
+        mask = np.r_[False, counts, False]
         for first, end in np.flatnonzero(np.diff(mask)).reshape(-1, 2):
             lands = int(end) - 1
-            if off[lands] and not ends:
-                continue
             if first and self._once("flight", m.time[first]):
                 every = np.arange(m.gaps.shape[1])
                 yield self._beside(m.time[first], "flight", every, low, after=first - 1)
             if not off[lands] and self._once("landing", m.time[lands]):
-                down = np.flatnonzero(m.gaps[lands] <= tiny)
+                down = np.flatnonzero(m.gaps[lands] <= CLEAR * width)
                 found = self._beside(m.time[lands], "landing", down, low, lands - 2, lands + 1)
                 met = self._meeting(float(m.time[lands]), max(lands - 1, 0))
                 yield found if met is None else self._exact(found, met)
@@ -434,21 +446,26 @@ class _Search:
         return self._event(time, kind, where=self._named(corners), **known)
 
     def _swings(self, *, firm: bool, ends: bool) -> Iterator[Event]:
-        """Lift-offs and impacts."""
+        """Lift-offs and impacts; none of a swing that is in the air from beginning to end."""
         m, last = self._motion, len(self._motion.time) - 1
-        found = swings(m.time, m.angle, m.shape.slenderness())
-        free = 0
+        told = self._noted.get("impact", -np.inf)
+        free = int(np.searchsorted(m.time, told, side="right"))
+        found = [s for s in swings(m.time, m.angle, m.shape.slenderness()) if s.first >= free]
         for swing, after in zip_longest(found, found[1:]):
+            row, at = end_of(swing, m.time, m.angle)
+            if swing.last < last and self._off[max(swing.first - 1, 0) : row + 2].all():
+                free = row + 1
+                continue
             start = begins(swing, m.angle, m.shape.slenderness(), free)
             rests = (
                 m.time[start] - self._noted.get("impact", -np.inf)
                 > MOMENTUM_WINDOW * self._time_scale
             )
-            if start > free and rests and self._once("lift-off", m.time[start]):
+            stood = start > free and not self._off[start - 1 : swing.first + 1].all()
+            if stood and rests and self._once("lift-off", m.time[start]):
                 lifted = self._lifted(swing.first)
                 height = m.gaps[:, lifted].mean(axis=1)
                 yield self._beside(m.time[start], "lift-off", lifted, height, after=swing.first - 1)
-            row, at = end_of(swing, m.time, m.angle)
             over = after is not None and after.last < last
             late = m.time[-1] - at > LONGEST_SWING * self._time_scale
             if swing.last == last or not (ends or over or late):
@@ -463,11 +480,6 @@ class _Search:
         """1/p of the block, s; infinite without gravity."""
         gravity = self._scene.gravity
         return 1 / self._motion.shape.frequency(gravity) if gravity > 0 else np.inf
-
-    @property
-    def _weight(self) -> Array:
-        """The force that carries the block and all on it at rest, N."""
-        return -self._scene.stacked_mass(self._block) * self._motion.pull[:, 1]
 
     def _named(self, corners: Indices) -> str:
         """Names of bottom corners."""
@@ -559,10 +571,10 @@ class _Search:
         rows = slice(before.first, (after or before).last + 1)
         if m.aside[rows].max() > LARGEST_SIDE_LEAN * np.abs(m.angle[rows]).max():
             return ROLLS
-        last = after.peak_s if after else np.inf
         rises = [_rise(m.shape, s.peak_rad) for s in (before, after or before)]
-        beside = (m.time >= before.peak_s) & (m.time <= last)
-        hop = np.max(m.gaps.min(axis=1)[beside], initial=0.0)
+        begin = np.searchsorted(m.time, before.peak_s)
+        end = np.searchsorted(m.time, after.peak_s, side="right") if after else None
+        hop = np.max(self._low[begin:end], initial=0.0)
         return HOPS if hop > LARGEST_HOP * max(rises) else ""
 
     def _rates(self, span: _Span, last: int, met: Meeting | None) -> _Read:

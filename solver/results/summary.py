@@ -160,6 +160,9 @@ def _link(link: LinkSpec, history: History, events: Sequence[Event]) -> dict[str
         shear = [history[column] for column in ways if column in history]
         known["peak_shear_force_N"] = float(np.max(np.linalg.norm(shear, axis=0)))
     extension = history[f"{name}.extension_m"]
+    if broke is not None:  # not how far its ends are apart later
+        begins = history["time_s"] - history["step_s"]
+        extension = extension[begins <= broke.time_s * (1 + 1e-12)]
     state = STATES[int(history[f"{name}.state"][-1])]
     return known | {
         "peak_extension_m": float(extension[np.argmax(np.abs(extension))]),

@@ -62,28 +62,41 @@ def _normal(spec: ForceSpec, d: int) -> tuple[int, float]:
 
 
 def factors(specs: Sequence[ForceSpec], times: Array) -> Array:
-    """The factors on forces at times (s), (times, forces)."""
-    found = np.ones((len(times), len(specs)))
+    """The factors on forces at both ends of the steps between times (s), (steps, 2, forces).
+
+    In between they are linear. Where a ramp or a table bends within a step, both ends are shifted
+    so that its mean is right and no impulse goes missing, however short a pulse is.
+    """
+    found = np.ones((len(times) - 1, 2, len(specs)))
     for number, spec in enumerate(specs):
         rows = _course(spec)
         if rows:
-            found[:, number] = np.interp(times, *np.transpose(rows))
+            ends = np.interp(times, *np.transpose(rows))
+            shift = mean_factors(spec, times) - (ends[1:] + ends[:-1]) / 2
+            found[:, :, number] = np.stack([ends[:-1] + shift, ends[1:] + shift], axis=1)
     return found
+
+
+def mean_factors(spec: ForceSpec, times: Array) -> Array:
+    """The mean factors on a force over the steps between times (s), (steps,)."""
+    rows = _course(spec)
+    if not rows:
+        return np.ones(len(times) - 1)
+    bends, values = np.transpose(rows)
+    at = np.union1d(times, bends[(bends > times[0]) & (bends < times[-1])])
+    course, step = np.interp(at, bends, values), np.searchsorted(times, at[:-1], "right") - 1
+    gained = np.diff(at) * (course[1:] + course[:-1]) / 2
+    return np.asarray(np.bincount(step, gained) / np.diff(times))
+
+
+def mean_factor(spec: ForceSpec, time: float, step: float) -> float:
+    """The mean factor on a force over a step from a time, s; at the time where the step is 0."""
+    if step:
+        return float(mean_factors(spec, np.array([time, time + step]))[0])
+    rows = _course(spec)
+    return float(np.interp(time, *np.transpose(rows))) if rows else 1.0
 
 
 def _course(spec: ForceSpec) -> Sequence[tuple[float, float]]:
     """Times, s, and factors at them, linear between; none of a force that is constant."""
     return spec.table or (((spec.ramp[0], 0.0), (spec.ramp[1], 1.0)) if spec.ramp else ())
-
-
-def mean_factor(spec: ForceSpec, time: float, step: float) -> float:
-    """The mean factor on a force over a step from a time, s; at the time where the step is 0."""
-    rows = _course(spec)
-    if not rows:
-        return 1.0
-    known, values = np.transpose(rows)
-    if not step:
-        return float(np.interp(time, known, values))
-    inside = known[(known > time) & (known < time + step)]
-    times = np.concatenate([[time], inside, [time + step]])
-    return float(np.trapezoid(np.interp(times, known, values), times) / step)

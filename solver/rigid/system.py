@@ -6,7 +6,7 @@ The steps are compiled (`solver.kernels.world`); rows of the history are written
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -189,18 +189,10 @@ class RigidSystem:
         self._world.add(_base_of(self._world, platform, d))
         numbers = {GROUND: len(blocks)} | {block.name: b for b, block in enumerate(blocks)}
         carriers = [[numbers[name] for name in block.carriers] for block in blocks]
-        drift = np.zeros(d) if platform is None else np.array([*platform.drift[: d - 1], 0.0])
-        placed = {block.name: block.pose for block in blocks} | {GROUND: level(drift)}
-        centres = {block.name: block.centre for block in blocks} | {GROUND: drift}
-        for link in links:
-            self._world.link(link_of(link, placed, centres, numbers))
+        _add_links(self._world, links, blocks, numbers, _place_of(platform, d))
         self._links = LinkRows(links, self.columns, d)
-        self._forces, self._pushes = forces, np.zeros((len(forces), d))
-        for k, force in enumerate(forces):
-            block = blocks[numbers[force.on]]
-            arm = arm_of(force, block.pose, block.shape, block.centre)
-            self._world.force(numbers[force.on], arm)
-            self._pushes[k] = whole_force(force, block.pose, block.shape)
+        self._forces = forces
+        self._pushes = _add_forces(self._world, forces, blocks, numbers)
         laws, law_of = _laws_of(self.body_names, law_between)
         self._world.begin(laws, law_of, [*carriers, []])
         if tells_pairs:
@@ -442,6 +434,40 @@ def _body_of(world: World, block: RigidBlock) -> Body:
     )
 
 
+def _add_links(
+    world: World,
+    links: Sequence[LinkSpec],
+    blocks: Sequence[RigidBlock],
+    numbers: Mapping[str, int],
+    base: Array,
+) -> None:
+    """Add links between bodies, by the numbers of these; the base is at a place, m."""
+    placed = {block.name: block.pose for block in blocks} | {GROUND: level(base)}
+    centres = {block.name: block.centre for block in blocks} | {GROUND: base}
+    for link in links:
+        world.link(link_of(link, placed, centres, numbers))
+
+
+def _add_forces(
+    world: World,
+    forces: Sequence[ForceSpec],
+    blocks: Sequence[RigidBlock],
+    numbers: Mapping[str, int],
+) -> Array:
+    """Add forces on blocks, by the numbers of these; returns them at factor 1, N, (forces, d)."""
+    found = np.zeros((len(forces), len(blocks[0].pose.place)))
+    for k, force in enumerate(forces):
+        block = blocks[numbers[force.on]]
+        world.force(numbers[force.on], arm_of(force, block.pose, block.shape, block.centre))
+        found[k] = whole_force(force, block.pose, block.shape)
+    return found
+
+
+def _place_of(platform: RigidPlatform | None, d: int) -> Array:
+    """Where the platform, or the ground, stands at the start, m, (d,)."""
+    return np.zeros(d) if platform is None else np.array([*platform.drift[: d - 1], 0.0])
+
+
 def _feet_of(blocks: Sequence[RigidBlock], names: Sequence[str]) -> dict[int, list[Foot]]:
     """The feet of blocks that have some, by the numbers of these."""
     found: dict[int, list[Foot]] = {}
@@ -467,7 +493,7 @@ def _base_of(world: World, platform: RigidPlatform | None, d: int) -> Body:
     shape = world.half_space()
     if platform is None:
         return Body(shape=shape, mobility=Mobility.FIXED)
-    place = np.array([*platform.drift[: d - 1], 0.0])
+    place = _place_of(platform, d)
     return Body(
         shape=shape,
         mobility=Mobility.PLATFORM,

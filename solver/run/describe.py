@@ -91,6 +91,8 @@ def _block_numbers(block: BlockSpec, scene: Scene) -> Lines:
     """Numbers of rigid-body rocking."""
     shape = block.shape
     tilt = f", released from {block.tilt_deg:g} degrees" if block.tilt_deg else ""
+    if tilt and block.tilt_direction_deg:
+        tilt += f" towards {block.tilt_direction_deg:g} degrees from x"
     on = f", on {' and '.join(block.carriers)}" if block.carriers != ("foundation",) else ""
     if block.position is not None:
         on = f", with its centre at ({', '.join(f'{part:g}' for part in block.position)}) m"
@@ -104,7 +106,7 @@ def _block_numbers(block: BlockSpec, scene: Scene) -> Lines:
         lines += _uneven(shape, scene.dimension)
     lines += _rocking(block, shape, scene, "")
     if scene.dimension == 3:
-        lines += _rocking(block, shape.across((0.0, 1.0)), scene, "y")
+        lines += _rocking(block, shape.across((0.0, 1.0)), scene, "y") + _leaning(block, shape)
     return lines + damping_of_block(block, scene) + _sliding(block, scene) + _start(block)
 
 
@@ -122,7 +124,9 @@ def _outline(block: BlockSpec, shape: Block) -> Lines:
         return [("  feet", f"{shape.feet}: {tall} along x")]
     flat, count = solid.dimension == 2, len(solid.parts)
     facets = sum(len(part.faces) for part in solid.parts)
-    parts = "convex" if count == 1 else f"{count} convex parts"
+    parts = f"{count} convex parts" if count > 1 else "convex"
+    if count == 1 and not solid.is_convex:
+        parts = "a convex hull"
     lines = [("  shape", f"{spec.kind}: {parts}, {facets} {'sides' if flat else 'facets'}")]
     for number, each in enumerate((spec, *spec.union)):
         radius = each.radius(block.width)
@@ -133,9 +137,12 @@ def _outline(block: BlockSpec, shape: Block) -> Lines:
             within = f"{sides} facets, within the circle by at most {off:.3g} mm"
             lines.append((f"  round{of}", within))
     if (surface := solid.surface) is not None:
-        more = percent(solid.hull_excess)
+        more = solid.hull_excess
         how = "convex hull" if count == 1 else parts
-        text = f"{len(surface.triangles)} triangles; contacts see its {how}, {more} % larger"
+        text = f"{len(surface.triangles)} triangles; contacts see its {how}, "
+        text += f"{percent(abs(more))} % {'larger' if more >= 0 else 'smaller'}"
+        if solid.coarse:
+            text += f", its fine parts within {1e3 * solid.coarse:.3g} mm"
         lines.append(("  surface", text))
     return lines
 
@@ -151,6 +158,19 @@ def _uneven(shape: Block, dimension: int) -> Lines:
     if any((xy, xz, yz)):
         text += f", xy {xy:.4g}, xz {xz:.4g}, yz {yz:.4g}"
     return [*lines, ("  inertia", text)]
+
+
+def _leaning(block: BlockSpec, shape: Block) -> Lines:
+    """The slenderness in the direction of a tilt between the axes: there it turns about no edge.
+
+    A box stands on one corner there, so that radius, frequency and restitution of an edge are none.
+    """
+    way = math.cos(block.tilt_direction), math.sin(block.tilt_direction)
+    if not block.tilt or min(map(abs, way)) < 1e-9:
+        return []
+    alpha = shape.across(way).slenderness(1 if block.tilt > 0 else -1)
+    name = f"  slenderness at {block.tilt_direction_deg:g} degrees"
+    return [(name, f"{alpha:.5f} rad = {math.degrees(alpha):.3f} degrees")]
 
 
 def _rocking(block: BlockSpec, shape: Block, scene: Scene, axis: str) -> Lines:

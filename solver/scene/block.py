@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Annotated, Any, Literal
 
@@ -45,6 +45,7 @@ from solver.scene.mass import (
     refuse_centre,
     refuse_inertia,
     refuse_parts,
+    refuse_spread,
     refuse_uneven,
 )
 from solver.scene.material import Material, Plane
@@ -299,11 +300,15 @@ class BlockSpec(Checked):
                 where = f"{allowed} where dimension = {dimension}"
                 raise SceneError("inertia", shown(self.inertia), where)
             refuse_inertia(self.inertia)
+        low, high = self._ends(dimension)
         if self.centre_of_mass is not None:
             self._refuse_length("centre_of_mass", self.centre_of_mass, dimension)
-            refuse_centre(self.centre_of_mass, self._sizes(dimension))
-            if self.inertia is None:
-                refuse_uneven(self._linear_density(self.centre_of_mass), self.model)
+            refuse_centre(self.centre_of_mass, low, high)
+        if self.inertia is not None:
+            body = self._body(dimension)
+            refuse_spread(self.inertia, body.mass, body.centre_of_mass(dimension), low, high)
+        elif self.centre_of_mass is not None:
+            refuse_uneven(self._linear_density(self.centre_of_mass), self.model)
 
     def _refuse_length(self, key: str, values: tuple[float, ...], dimension: int) -> None:
         """Refuse a place that has not as many values as a scene has dimensions."""
@@ -314,6 +319,14 @@ class BlockSpec(Checked):
     def _sizes(self, dimension: int) -> tuple[float, ...]:
         """Its edges along x, in space y, and upwards, m."""
         return (self.width, *[self.thickness][: dimension - 2], self.height)
+
+    def _ends(self, dimension: Dimension) -> tuple[Sequence[float], Sequence[float]]:
+        """Lowest and highest corner of the box around it, without its feet, in its own frame, m."""
+        if self.shape_of is None:
+            *across, height = self._sizes(dimension)
+            return [*(-side / 2 for side in across), 0.0], [*(side / 2 for side in across), height]
+        solid = solid_of(self.shape_of, self._shape_sizes, dimension)
+        return list(map(float, solid.low)), list(map(float, solid.high))
 
     def _linear_density(self, centre: tuple[float, ...]) -> LinearDensity:
         """The density over its mean that has a centre of mass."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import combinations
@@ -56,12 +57,11 @@ def refuse_parts(parts: Sequence[PartSpec], sizes: Sequence[float]) -> None:
             raise Statement(f"parts: numbers {one} and {other}", "overlap")
 
 
-def refuse_centre(centre: Sequence[float], sizes: Sequence[float]) -> None:
-    """Refuse a centre of mass that is not inside a block of these edges, m."""
-    inside = [abs(x) < size / 2 for x, size in zip(centre, sizes[:-1], strict=False)]
-    if not (all(inside) and 0 < centre[-1] < sizes[-1]):
-        ends = [f"|{axis}| < {size / 2:g}" for axis, size in zip("xy", sizes[:-1], strict=False)]
-        ends.append(f"0 < {'xyz'[len(sizes) - 1]} < {sizes[-1]:g}")
+def refuse_centre(centre: Sequence[float], low: Sequence[float], high: Sequence[float]) -> None:
+    """Refuse a centre of mass that is not inside the box around a block, by its corners, m."""
+    if not all(a < c < b for a, c, b in zip(low, centre, high, strict=True)):
+        axes = ("x", "y", "z")[: len(centre)]
+        ends = [f"{a:g} < {axis} < {b:g}" for axis, a, b in zip(axes, low, high, strict=True)]
         raise SceneError("centre_of_mass", shown(centre), f"a place inside, {', '.join(ends)}")
 
 
@@ -106,6 +106,33 @@ def refuse_inertia(given: Any) -> None:
         three = ", ".join(f"{moment:.4g}" for moment in moments)
         said = f"is that of no body: of its principal moments {three} the last exceeds the sum of "
         raise Statement("inertia", f"{said}the others")
+
+
+def refuse_spread(
+    given: Any,
+    mass: float,
+    centre: Sequence[float],
+    low: Sequence[float],
+    high: Sequence[float],
+) -> None:
+    """Refuse moments of inertia that no mass has about a centre within a box, by its corners, m.
+
+    Along each axis its mean square distance from the centre c is (b - c)(c - a) at most, all of it
+    at the ends a and b (Bhatia and Davis, Amer. Math. Monthly 107, 2000).
+    """
+    most = [mass * (b - c) * (c - a) for a, c, b in zip(low, centre, high, strict=True)]
+    if isinstance(given, float):
+        if given > (1 + ROUND_OFF) * sum(most):
+            allowed = f"at most {sum(most):.4g}, with all its {mass:.4g} kg at its corners"
+            raise SceneError("inertia", shown(given), allowed)
+        return
+    tensor = inertia_tensor(given)
+    half = sum(tensor[k][k] for k in range(3)) / 2
+    for k, axis in enumerate("xyz"):
+        if half - tensor[k][k] > (1 + ROUND_OFF) * most[k]:
+            spread, reach = (math.sqrt(value / mass) for value in (half - tensor[k][k], most[k]))
+            got = f"{shown(given)}, {mass:.4g} kg spread by {spread:.3g} m along {axis}"
+            raise SceneError("inertia", got, f"at most {reach:.3g} m, all of it at both ends")
 
 
 def _principal(table: Tensor) -> list[float]:

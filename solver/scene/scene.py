@@ -199,6 +199,7 @@ class Scene(Checked):
             frequency=fastest,
             spin=spin if self.dimension == 3 else 0.0,  # turns are exact in the plane
             period=min(periods, default=math.inf),
+            links=min(map(self.link_period, self.links), default=math.inf),
             stiffest=min((body.longest_step for body in self._turning_bodies()), default=math.inf),
         )
 

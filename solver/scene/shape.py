@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, TypeAlias
 
 from geometry.block import Block
 from geometry.density import Tensor, Vector
@@ -42,17 +42,19 @@ class ShapeSpec(Checked):
     of the circle through them. In 3-D a prism along y: a drum that rolls along x. Default: -."""
     profile: tuple[Point, ...] = ()
     """Half the outline of a body of revolution about the vertical axis, corners `[r, z]`, m, from
-    the axis to the axis; 3-D only. Default: -."""
+    the axis to the axis, or around a ring; may be hollow or undercut. 3-D only. Default: -."""
     cylinder: Length | None = None
     """Diameter of an upright cylinder, as high as `height`, m; 3-D only. Default: -."""
     sides: Annotated[int, Number(at_least=3, at_most=1000)] = OPEN
     """Facets for which a `profile` or `cylinder` stands; corners lie on its circle. Default: 48."""
     file: Path | None = None
     """A closed surface: .stl, .obj, .ply, or the outside of a mesh, .msh, .vtu; relative to the
-    scene's file; 3-D only. Contacts see its convex hull, or convex parts where CoACD is installed;
-    mass, centre and inertia are those of the surface itself. Default: -."""
+    scene's file; 3-D only. Mass, centre and inertia are those of the surface itself. Default: -."""
     scale: Annotated[float, Number(above=0, powers=(0.0, 1.0))] = OPEN
     """Length of a unit of the file, m. Default: 1."""
+    contact: Literal["hull", "coacd"] = OPEN
+    """What contacts see of a file: its convex `"hull"`, or the convex parts into which CoACD cuts
+    it, which has to be installed. Default: `"hull"`."""
     union: tuple[ShapeSpec, ...] = ()
     """Parts that touch one another, and do not overlap, each a table like this one. Default: -."""
     at: Position | None = None
@@ -73,6 +75,8 @@ class ShapeSpec(Checked):
             yield "sides", DEFAULT_SIDES
         if is_open(self.scale) and self.file is not None:
             yield "scale", 1.0
+        if is_open(self.contact) and self.file is not None:
+            yield "contact", "hull"
 
     def check(self) -> None:
         """Refuse what is no shape, or several."""
@@ -84,8 +88,9 @@ class ShapeSpec(Checked):
             raise SceneError(given[1], f"it beside {given[0]}", allowed)
         if self.sides is not None and not (self.profile or self.cylinder is not None):
             raise not_applicable("sides", "a profile or a cylinder only")
-        if self.scale is not None and self.file is None:
-            raise not_applicable("scale", "a file only")
+        for key in ("scale", "contact"):
+            if getattr(self, key) is not None and self.file is None:
+                raise not_applicable(key, "a file only")
         for part in self.union:
             if part.union:
                 raise not_applicable("union", "the shape of a block, not a part of one")
@@ -234,7 +239,8 @@ def _part(shape: ShapeSpec, sizes: Sizes, dimension: Dimension, where: str) -> S
             height = shape.height or sizes.height or 0.0
             return solids.cylinder(shape.cylinder, height, shape.sides, density)
         assert shape.file is not None
-        return solids.of_surface(solids.read_surface(shape.file, shape.scale), density)
+        surface = solids.read_surface(shape.file, shape.scale)
+        return solids.of_surface(surface, density, shape.contact)
     except ValueError as error:
         said = str(error).removeprefix(f"{kind}: ").removeprefix("union: ")
         raise Statement(f"{where}.{kind}:", said) from None

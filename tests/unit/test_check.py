@@ -7,6 +7,7 @@ memory of linear solvers is left to their own tests. To write it anew and look a
 
 from __future__ import annotations
 
+import math
 import os
 import sys
 import types
@@ -14,10 +15,13 @@ from difflib import ndiff
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from scenes import SHORT_GRANITE
 
+from rockslip import parse_scene
 from solver.cli import main
+from solver.run.describe import describe
 
 Captured = pytest.CaptureFixture[str]
 
@@ -198,3 +202,25 @@ def test_check_of_a_bad_record(granite: Path, capsys: Captured) -> None:
     assert main(["check", "granite.toml", "--set", "motion={kind='record', file='.'}"]) == 2
     message = capsys.readouterr().err
     assert "motion.file: got " in message and "(a folder), allowed a file that exists" in message
+
+
+@pytest.mark.parametrize("tilt", [5.0, -5.0])
+def test_a_lean_between_the_axes_has_the_slenderness_of_its_corner(tilt: float) -> None:
+    """Released at alpha in that direction a box stands with its centre above one corner."""
+    text = (
+        "dimension = 3\n[[block]]\nmodel = 'rigid'\nwidth = 0.4\nthickness = 0.3\n"
+        "height = 1.2\nmass = 100.0\ntilt_direction_deg = 30.0\ntilt_deg = {}\n"
+        "[time]\nend = 1.0\nstep = 1e-3\n"
+    )
+    told = describe(parse_scene(text.format(tilt)))
+    assert f"released from {tilt:g} degrees towards 30 degrees from x" in told
+    alpha = math.atan((0.2 * math.cos(math.pi / 6) + 0.15 * math.sin(math.pi / 6)) / 0.6)
+    assert f"slenderness at 30 degrees {alpha:.5f} rad" in " ".join(told.split())
+    scene = parse_scene(text.format(math.degrees(math.copysign(alpha, tilt))))
+    (block,) = scene.blocks
+    pose, centre = scene.poses()[block.name], np.array([[0.0, 0.0, 0.6]])
+    corners = pose(np.array([[x, y, 0.0] for x in (-0.2, 0.2) for y in (-0.15, 0.15)]))
+    lowest = corners[np.argmin(corners[:, 2])]
+    along = (pose(centre)[0] - lowest)[:2] @ [math.cos(math.pi / 6), math.sin(math.pi / 6)]
+    assert along == pytest.approx(0.0, abs=1e-12)
+    assert "slenderness at" not in describe(parse_scene(text.format(0.0)))

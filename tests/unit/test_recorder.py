@@ -109,6 +109,42 @@ def test_a_flight_and_its_landing() -> None:
     assert found.where == "left+right"
 
 
+HANGING: dict[str, Any] = {
+    "block": [SLENDER | {"position": [0.2, 1.0], "angular_velocity": 1.0}],
+    "link": [
+        {"name": "rope", "kind": "tether", "between": ["block", "foundation"]}
+        | {"at": [0.0, 1.0], "to": [0.0, 3.0], "stiffness": 1e6}
+    ],
+    "output": {"fields": "none"},
+}
+"""A block that swings on a rope and stands on nothing."""
+
+
+def test_a_block_that_hangs_neither_lifts_off_nor_strikes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It swings through its upright position some ten times, over many searches."""
+    monkeypatch.setattr("solver.results.events.CHUNK", 64)
+    result = simulate(parse_scene(HANGING | {"time": {"end": 8.0, "step": 2e-3}}))
+    angle = result.history["block.angle_rad"]
+    assert np.count_nonzero(np.diff(np.sign(angle))) > 10
+    assert result.history.events == ()
+
+
+def test_a_long_flight_is_told_once_and_needs_no_old_rows(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Thrown up from the ground, it lands after six times as many steps as are kept."""
+    for name, value in (("CHUNK", 64), ("MOST_ROWS", 256)):
+        monkeypatch.setattr(f"solver.results.events.{name}", value)
+    push = {"name": "up", "on": "block", "force": [0.0, 3000.0]}
+    table = {"table": [[0.0, 0.0], [0.1, 0.0], [0.11, 1.0], [0.4, 1.0], [0.41, 0.0]]}
+    result = run({}, force=[push | table], end=2.2)
+    (flight,), (landing,) = events(result, "flight"), events(result, "landing")
+    assert result.history.events == (flight, landing)
+    assert flight.time_s == pytest.approx(0.1 + 0.01 * 981 / 3000, abs=2e-3)
+    assert landing.time_s - flight.time_s > 6 * 0.256
+    # Up with 20.19 m/s2 over about 0.3 s, then free.
+    lifted = result.history["block.centre_y_m"].max() - 0.5
+    assert landing.velocity_before_m_s == pytest.approx(-math.sqrt(2 * G * lifted), rel=2e-2)
+
+
 def test_a_block_that_loses_what_carries_it_and_overturns() -> None:
     low = {"name": "low", "width": 0.5, "height": 0.2}
     up = {"name": "up", "on": "low", "offset": 0.2, "velocity": [1.0, 0.0], "friction": 0.05}

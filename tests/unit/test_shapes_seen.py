@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import re
+import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from rockslip import load_scene, parse_scene, read_run, simulate
 from solver.cli import main
+from solver.errors import SceneError
 from solver.history.history import scene_columns
 from solver.results.motion import boxes, slenderness
 from solver.results.overlaps import overlaps
@@ -29,6 +33,11 @@ SHAPES = {
     "plane": (2, f"{L}\nthickness = 0.4"),
     "prism": (3, f"{L}\nthickness = 0.4"),
     "bottle": (3, "shape = { profile = [[0, 0], [0.2, 0], [0.2, 0.5], [0.1, 1.0], [0, 1.0]] }"),
+    "vase": (
+        3,
+        "shape = { profile = [[0, 0], [0.2, 0], [0.25, 0.4], [0.1, 0.7], [0.14, 0.9], [0.12, 0.9],"
+        " [0.08, 0.7], [0.23, 0.4], [0.18, 0.02], [0, 0.02]] }",
+    ),
     "file": (3, f"shape = {{ file = '{MUSEUM}/statue.stl' }}"),
     "feet": (
         3,
@@ -149,10 +158,33 @@ def test_check_tells_of_shapes() -> None:
     assert told["container"] == "40ft high cube, on its corner castings"
     assert told["uplift at"] == "0.8419 g" and told["restitution"].startswith("0.3779")
     told = lines_of("file")
-    assert told["shape"].startswith("file: convex, ")
+    assert told["shape"].startswith("file: a convex hull, ")
     assert told["surface"].startswith("3648 triangles; contacts see its convex hull, 6")
     assert "larger than its surface" in told["caution"]
+    assert "give parts as shape.union" in told["caution"]
     assert "caution" not in lines_of("bottle")
+    vase = lines_of("vase")
+    assert vase["shape"] == "profile: 2 convex parts, 148 facets"
+    more = r"contacts see its 2 convex parts, (\d+) % larger"
+    found = re.search(more, vase["surface"])
+    assert found is not None
+    solid = parse_scene(text_of("vase")).blocks[0].shape.solid
+    assert solid is not None and float(found[1]) == pytest.approx(100 * solid.hull_excess, abs=0.5)
+    assert f"larger than its surface by {found[1]} %" in vase["caution"]
+    assert "shape.union" not in vase["caution"]
+
+
+def test_parts_of_a_file_are_those_that_are_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A scene means the same whether or not CoACD is installed."""
+    cut = text_of("file").replace(".stl'", ".stl', contact = 'coacd'")
+    monkeypatch.setitem(sys.modules, "coacd", None)
+    with pytest.raises(SceneError) as refused:
+        parse_scene(cut)
+    said = 'block.shape.file: got contact = "coacd", which is not installed, allowed after `pip'
+    assert str(refused.value).startswith(said)
+    fake = SimpleNamespace(run_coacd=lambda mesh, seed: 1 / 0)
+    monkeypatch.setitem(sys.modules, "coacd", fake)
+    assert parse_scene(text_of("file")).blocks[0].shape.solid is not None
 
 
 def test_alpha_of_a_shape_in_space_is_about_its_own_edge() -> None:

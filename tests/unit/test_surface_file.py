@@ -133,7 +133,7 @@ def test_an_animal(name: str, rings: int, around: int, tmp_path: Path) -> None:
     assert surface.triangles.shape == (2 * around * (rings - 1), 3)
     assert len(surface.points) == around * (rings - 1) + 2
     volume, centre, inertia = quadrature(points, facets)
-    body = of_surface(surface, 2500.0, only_hull=True)
+    body = of_surface(surface, 2500.0)
     scale = 2500 * np.abs(inertia).max()
     assert body.mass == pytest.approx(2500 * volume, rel=1e-7)
     assert body.centre == pytest.approx(centre, abs=1e-7)

@@ -275,7 +275,7 @@ def test_slenderness_in_space_is_that_of_the_way_it_leans() -> None:
     [
         (OFF, {}),
         (OFF | {"inertia": 40.0}, {}),
-        (BLOCK | {"inertia": [60.0, 50.0, 30.0]}, {"dimension": 3}),
+        (BLOCK | {"inertia": [60.0, 50.0, 12.0]}, {"dimension": 3}),
         (
             {k: v for k, v in BLOCK.items() if k != "mass"}
             | {"density": 900.0}
@@ -372,3 +372,19 @@ def test_the_force_of_a_film_is_below_the_centre_of_mass() -> None:
     leans = _foot(np.array([[0.0, 0.6]]), turned, half, up, off)
     corner = turned[0] @ [0.125, -0.5] + [0.0, 0.6]
     assert leans[0] == pytest.approx(corner, abs=1e-9)
+
+
+def test_inertia_up_to_that_of_all_mass_at_the_corners() -> None:
+    """m ((B/2)^2 + (H/2)^2) in the plane; in space along each axis for itself."""
+    text = (
+        "dimension = {}\n[[block]]\nmodel = 'rigid'\nwidth = 0.6\nthickness = 0.4\n"
+        "height = 1.0\nmass = 100.0\ninertia = {}\n[time]\nend = 1.0\nstep = 1e-3\n"
+    )
+    most = 100 * (0.3**2 + 0.5**2)
+    assert parse_scene(text.format(2, most)).blocks[0].shape.rotary_inertia == most
+    with pytest.raises(SceneError, match="allowed at most 34, with all its 100 kg at its corners"):
+        parse_scene(text.format(2, most * (1 + 1e-6)))
+    x, y, z = 100 * 0.3**2, 100 * 0.2**2, 100 * 0.5**2
+    parse_scene(text.format(3, [y + z, x + z, x + y]))
+    with pytest.raises(SceneError, match=r"spread by 0\.3 m along x, allowed at most 0\.3 m"):
+        parse_scene(text.format(3, [y + z, x * (1 + 1e-6) + z, x * (1 + 1e-6) + y]))

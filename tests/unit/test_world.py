@@ -215,6 +215,7 @@ def test_a_force_at_a_point_turns_with_it_and_its_work_is_booked() -> None:
     world.begin([PLASTIC], np.zeros((1, 1)), [[]])
     time = np.linspace(0.0, 10.0, 1001)
     forces = np.stack([0.3 * time, np.ones_like(time)], axis=1)[:, None]
+    forces = np.stack([forces[:-1], forces[1:]], axis=1)
     found = world.run(1000, 1e-2, 1e-7, np.zeros((1001, 2)), np.zeros((1000, 2)), forces)
     assert found.velocity[-1, 0] == pytest.approx([0.3 * 100 / 2 / 10, 1.0])
     assert np.ptp(ledger(found)) < 1e-10

@@ -113,6 +113,17 @@ def test_a_brittle_tether_loses_its_energy() -> None:
     after = history["time_s"] > event.time_s + 2e-3
     assert np.all(history["wire.state"][after] == 3.0)
     assert np.all(history["wire.force_N"][after] == 0.0)
+    # As it broke in that step, and from there on how far its ends are apart.
+    row = int(np.searchsorted(history["time_s"], event.time_s))
+    extension = history["wire.extension_m"]
+    assert extension[row] == pytest.approx(900.0 / 1e5, rel=1e-8)
+    assert known["peak_extension_m"] == extension[row] < extension[row + 1] < extension[row + 2]
+    place = np.stack([history["block.centre_x_m"], history["block.centre_y_m"]], axis=1)
+    angle = history["block.angle_rad"]
+    c, s = np.cos(angle), np.sin(angle)
+    edge = place + np.stack([-0.25 * c - 1.0 * s, 0.25 * s - 1.0 * c], axis=1)
+    apart = np.linalg.norm(edge - [-0.25, -1.0], axis=1)
+    assert extension[row + 1 :] == pytest.approx(apart[row + 1 :] - 1.0, abs=1e-12)
     assert result.summary["blocks"]["block"]["mode"] == "overturned"
 
 
@@ -346,6 +357,38 @@ def test_a_block_that_slides_without_turning_accounts_for_all_energy_of_its_wire
     )
     assert np.abs(result.history["block.slip_m"]).max() > 0.01
     assert np.abs(result.history["block.angle_rad"]).max() < 1e-9
+
+
+@pytest.mark.parametrize("stiffness", [1e5, 1e10, 1e13])
+def test_the_step_of_a_scene_follows_what_swings_on_its_links(stiffness: float) -> None:
+    """A twentieth of the period 2 pi sqrt(m/k), down to a tenth of the step without the link.
+
+    Steps are rounded down to 1, 2 or 5 times a power of ten.
+    """
+    link = {"name": "wire", "kind": "spring", "between": ["block", "foundation"]}
+    link |= {"at": [0.0, 2.0], "to": [0.0, 3.0], "stiffness": stiffness}
+    tables = {"block": [SLENDER], "time": {"end": 1.0}}
+    free, tied = (parse_scene(tables | more).time.step for more in ({}, {"link": [link]}))
+    period = 2 * math.pi * math.sqrt(500.0 / stiffness)
+    longest = max(min(free, period / 20), free / 10)
+    assert longest / 2.5 < tied <= longest
+    assert (tied == free) == (stiffness == 1e5)
+
+
+def test_the_force_of_a_tether_that_snaps_taut_with_steps_by_default() -> None:
+    """Within 0.5 % of that with ten times as many, though it lasts a few steps."""
+    wire = {"name": "wire", "kind": "tether", "between": ["block", "foundation"], "gap": 0.02}
+    wire |= {"at": [-0.25, 0.0], "to": [-0.25, -1.0], "stiffness": 1e10}
+    motion = {"kind": "one_sine", "amplitude_g": 0.6, "duration": 0.8}
+    tables = {"block": [SLENDER | {"friction": 1.0}], "link": [wire], "motion": motion}
+    given = parse_scene(tables | {"time": {"end": 1.2}})
+    step = given.time.step / 10
+    fine = simulate(parse_scene(tables | {"time": {"end": 1.2, "step": step}}))
+    found = simulate(given).summary
+    known = fine.summary["links"]["wire"]["peak_force_N"]
+    assert known > 1e6
+    assert found["links"]["wire"]["peak_force_N"] == pytest.approx(known, rel=5e-3)
+    assert found["energy"]["largest_gain_fraction"] < 1e-12
 
 
 @pytest.mark.parametrize("stiffness", [1e9, 1e11, 1e13])
