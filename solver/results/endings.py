@@ -1,12 +1,12 @@
 """Times at which blocks have overturned or fallen, and the watch that ends a run there.
 
 A block has overturned where it leans, against upright, beyond the angle from which it does not come
-back (`rocking.no_return`). It has fallen where it moves down and either all of it is below the
-plane of the top of what carried it, or all of it is beside that top and some of it below: nothing
-holds it any more. Where several carried it, it is off all of them. Where rigid blocks with a
-restitution stand on a plate, their engine takes it for the ground, and a run ends where a corner
-touches that beyond its edge. All are found from the columns of a history, in the same way for all
-engines.
+back (`motion.tipping`); what rolls has none. It has fallen where it moves down and either all of it
+is below the plane of the top of what carried it, or all of it is beside that top and some of it
+below: nothing holds it any more. Where several carried it, it is off all of them. Where rigid
+blocks with a restitution stand on a plate, their engine takes it for the ground, and a run ends
+where a corner touches that beyond its edge. All are found from the columns of a history, in the
+same way for all engines.
 """
 
 from __future__ import annotations
@@ -21,8 +21,7 @@ from geometry.boxes import Boxes
 from solver.excitation.motion import GroundMotion
 from solver.history.columns import Rows
 from solver.history.history import scene_columns
-from solver.results.motion import Columns, boxes, centres, slenderness, total_lean
-from solver.results.rocking import no_return
+from solver.results.motion import Columns, boxes, centres, tipping, total_lean
 from solver.scene import BlockSpec, Scene
 from solver.types import Array, Mask
 
@@ -122,7 +121,7 @@ def overturned_at(history: Columns, block: BlockSpec) -> float | None:
     lost = np.flatnonzero(beyond_return(history, block))
     if len(lost):
         return float(time[lost[0]])
-    held = np.abs(total_lean(history, block.name)) <= slenderness(history, block)
+    held = np.abs(total_lean(history, block.name)) <= tipping(history, block).balance
     if held[-1]:
         return None
     last = np.flatnonzero(held)
@@ -139,8 +138,8 @@ def fell_at(scene: Scene, history: Columns, block: BlockSpec) -> float | None:
 
 def beyond_return(history: Columns, block: BlockSpec) -> Mask:
     """In which rows a block leans beyond the angle from which it does not come back."""
-    lost = no_return(slenderness(history, block))
-    return np.asarray(np.abs(total_lean(history, block.name)) > lost)
+    lean = np.abs(total_lean(history, block.name))
+    return np.asarray(lean > tipping(history, block).no_return)
 
 
 def beyond_edge(scene: Scene, history: Columns, block: BlockSpec) -> Mask:

@@ -61,6 +61,7 @@ from solver.results.motion import (
     is_spatial,
     leaning,
     lost_carrier,
+    lowest_gap,
     upright_axes,
 )
 from solver.results.rocking import Swing, begins, end_of, swings
@@ -137,6 +138,8 @@ class _Motion(NamedTuple):
     """Lean out of the plane, rad."""
     gaps: Array
     """Gaps of the bottom corners, (rows, corners), m."""
+    low: Array
+    """Gap of the lowest corner, m."""
     slip: Array
     """Slip along the carrier, (rows, 1 or 2), m."""
     normal: Array
@@ -397,12 +400,12 @@ class _Search:
     def _flights(self, *, ends: bool) -> Iterator[Event]:
         """Events at which it leaves what carries it, and at which it lands again."""
         m, tiny = self._motion, CLEAR * self._block.width
-        low = m.gaps.min(axis=1)
+        low = m.low
         off = (m.normal <= 0) & (low > tiny)
         if off[-1] and not ends:
             on = np.flatnonzero(~off)
             self.needed = min(self.needed, max(int(on[-1]) - 2, 0) if len(on) else 0)
-        mask = np.r_[False, flights(m.normal, m.gaps, m.slip, self._block.width), False]
+        mask = np.r_[False, flights(m.normal, low, m.slip, self._block.width), False]
         for first, end in np.flatnonzero(np.diff(mask)).reshape(-1, 2):
             lands = int(end) - 1
             if off[lands] and not ends:
@@ -562,7 +565,7 @@ class _Search:
         last = after.peak_s if after else np.inf
         rises = [_rise(m.shape, s.peak_rad) for s in (before, after or before)]
         beside = (m.time >= before.peak_s) & (m.time <= last)
-        hop = np.max(m.gaps.min(axis=1)[beside], initial=0.0)
+        hop = np.max(m.low[beside], initial=0.0)
         return HOPS if hop > LARGEST_HOP * max(rises) else ""
 
     def _rates(self, span: _Span, last: int, met: Meeting | None) -> _Read:
@@ -767,6 +770,7 @@ def _motion(scene: Scene, block: BlockSpec, rows: Columns, carrier: BlockSpec | 
         shape=leans.shape,
         aside=leans.aside,
         gaps=gaps_of(rows, name),
+        low=lowest_gap(rows, block, carrier),
         slip=np.stack([rows[f"{name}.slip{way}_m"] for way in ways], axis=1),
         normal=rows[f"{name}.normal_force_N"],
         pull=pull,
