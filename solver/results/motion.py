@@ -16,7 +16,8 @@ import numpy as np
 from geometry.block import Block
 from geometry.boxes import Boxes
 from geometry.outline import limits_towards
-from solver.history.block_columns import STEEPEST_TOP
+from geometry.top import top_of
+from solver.history.block_columns import has_lost_carrier
 from solver.history.history import History
 from solver.results.rocking import SMALLEST_SWING, no_return
 from solver.scene import BlockSpec, Scene
@@ -229,10 +230,10 @@ def gaps_of(history: Columns, name: str) -> Array:
 
 def lost_carrier(history: Columns, block: BlockSpec, carrier: BlockSpec) -> Mask:
     """In which rows a block has lost the one that carried it, by `has_lost_carrier`."""
-    below = boxes(history, carrier)
-    up = below.frames[:, :, -1]
-    height = np.sum((centres(history, block.name) - below.centres) * up, axis=1)
-    return np.asarray((up[:, -1] <= STEEPEST_TOP) | (height <= below.half[-1]))
+    up = boxes(history, carrier).frames[:, :, -1]
+    shift = centres(history, block.name) - centres(history, carrier.name)
+    top = top_of(carrier.shape, up.shape[1]).level - carrier.shape.centre_height
+    return np.asarray(has_lost_carrier(up[:, -1], np.sum(shift * up, axis=1), top))
 
 
 def total_lean(history: Columns, name: str) -> Array:
@@ -466,6 +467,7 @@ def _fell(history: History, block: BlockSpec, carriers: Sequence[BlockSpec]) -> 
 
 def _is_below(history: History, centre: Array, carrier: BlockSpec) -> bool:
     """True if a place is below the top of a block at the end, or below its centre."""
-    below = boxes(history, carrier)
-    above, normal = centre - below.centres[-1], below.frames[-1, :, -1]
-    return bool(above @ normal < below.half[-1] or above[-1] < 0)
+    above = centre - centres(history, carrier.name)[-1]
+    normal = boxes(history, carrier).frames[-1, :, -1]
+    top = top_of(carrier.shape, len(centre)).level - carrier.shape.centre_height
+    return bool(above @ normal < top or above[-1] < 0)

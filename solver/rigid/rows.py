@@ -57,14 +57,17 @@ class BlockRows:
         self,
         bottoms: Array,
         tops: Array,
+        holds: Array,
         carriers: Sequence[int],
         feet: Mapping[int, Sequence[Foot]] | None = None,
     ):
         """Keep corners of bottoms and levels of tops about centres of mass, what carries, and feet.
 
-        Corners of the blocks are (n, 2^(d-1), d), m, levels (n,), m; carriers are numbers; feet are
+        Corners of the blocks are (n, 2^(d-1), d), m; levels of their highest corners and of the
+        lowest ones of their tops, which `holds` others, (n,), m; carriers are numbers; feet are
         those of some blocks, by the numbers of these.
         """
+        self._holds = holds
         self._feet = feet or {}
         self._d, self._bottoms, self._tops = bottoms.shape[2], bottoms, tops
         self._carriers, self._at = carriers, positions("block", self._d)
@@ -122,7 +125,7 @@ class BlockRows:
             frame, height = frames[1:, carrier], self._tops[carrier]
             shift = centre - steps.centre[1:, carrier]
             above = np.einsum("si,si->s", frame[:, :, -1], shift)
-            lost = has_lost_carrier(frame[:, -1, -1], above, height)
+            lost = has_lost_carrier(frame[:, -1, -1], above, self._holds[carrier])
             below = np.where(lost[:, None, None], level, frame)
             mean = np.where(lost[:, None, None], level, (frames[:-1, carrier] + frame) / 2)
             shift = np.where(lost[:, None], over_ground, shift)

@@ -14,6 +14,7 @@ import numpy as np
 
 from geometry.arrangement import Pose, level
 from geometry.block import FACES, Block
+from geometry.top import top_of
 from solver.history.columns import check_filled, columns, positions, row_layout
 from solver.history.events import Event, Meeting
 from solver.kernels.world import Body, Mobility, Steps, World
@@ -208,8 +209,9 @@ class RigidSystem:
         self._tells_pairs = tells_pairs
         bottoms = np.array([_bottom_of(block) for block in blocks])
         tops = np.array([b.shape.height - b.shape.centre_height for b in blocks])
+        holds = np.array([top_of(b.shape, d).level - b.shape.centre_height for b in blocks])
         self._written = BlockRows(
-            bottoms, tops, [each[0] for each in carriers], _feet_of(blocks, self.columns)
+            bottoms, tops, holds, [each[0] for each in carriers], _feet_of(blocks, self.columns)
         )
         self._before = self._world.now()
         frames = rotation_matrices(self._before.rotation)
