@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from solver.fields.links import LEFT
 from solver.pictures.contact import block_poses, platform_drift
 from solver.results.motion import boxes
 from solver.results.runs import Run
@@ -25,9 +26,6 @@ LOOKS = {
     BROKEN: ("link, broken", "#d62728"),
 }
 """What links are called in legends, by their states, and their colours."""
-
-LEFT = 0.2
-"""Part of the distance between the ends of a broken link that is drawn at each of them."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

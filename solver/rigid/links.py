@@ -98,9 +98,9 @@ class LinkRows:
             for spec in specs
         ]
 
-    def write(self, rows: Array, steps: Steps) -> None:
-        """Fill in the columns for all steps but the first."""
-        states = LinkStates.split(self._d, steps.links[1:])
+    def write(self, rows: Array, numbers: Array) -> None:
+        """Fill in the columns by the numbers of all links at the ends of steps."""
+        states = LinkStates.split(self._d, numbers)
         for number, (spec, at) in enumerate(zip(self._specs, self._at, strict=True)):
             own = 0 if spec.is_axial else self._d - 1
             rows[:, at[0]] = states.extension[:, number, own]

@@ -348,7 +348,7 @@ class RigidSystem:
         self._lean = self._written.write(rows, layout, steps, dt, self._lean)
         if layout.energy > layout.platform:
             write_platform(rows, layout, steps, dt)
-        self._links.write(rows, steps)
+        self._links.write(rows, steps.links[1:])
         write_energies(rows[:, layout.energy :], steps.stored[1:], steps.exchanged[1:])
         rows[:, self._error] -= self._first
 
@@ -370,7 +370,9 @@ class RigidSystem:
         d, short, saved = self.dimension, TRIAL * dt, self.saved()
         motion = np.tile(np.zeros(d) if ground is None else np.array(ground, float), (2, 1))
         trial = self.advance(1, short, motion, short / 1024)
+        forces = self._before.links[..., d : 2 * d].copy()
         self.restore(saved)
+        self._before.links[..., d : 2 * d] = forces
         self.first_pairs = trial.pairs
         rows: Array = np.full((1, len(self.columns)), np.nan)
         self._fill(rows, self._before.followed_by(self._before), dt, motion)
@@ -381,6 +383,11 @@ class RigidSystem:
             row[taken] = trial.rows[0, taken]
             row[self._run.contact_points_closed] = trial.rows[0, self._run.contact_points_closed]
         return row
+
+    @property
+    def link_numbers(self) -> Array:
+        """Numbers of all links at the moment, (links, 3 d + 3), for `LinkStates.split`."""
+        return self._before.links[0]
 
     @property
     def drift(self) -> Array:

@@ -231,3 +231,24 @@ def test_the_film_of_a_linked_block_shows_its_link(tmp_path: Path) -> None:
         pictures.append(frames(folder / "film.gif")[-1])
     held, lost = (np.count_nonzero(picture.max(axis=2) < 60) for picture in pictures)
     assert held > lost + 200
+
+
+def test_stills_show_links_whole_and_broken(tmp_path: Path) -> None:
+    """A wire is a line of the colour of its state, broken ones are drawn at their ends alone."""
+    from matplotlib.colors import to_rgb
+    from PIL import Image
+
+    from solver.pictures.links import LOOKS
+
+    counts = {}
+    for strength in ("1e5", "1e-3"):
+        folder = tmp_path / strength
+        text = LINKED.format(strength=strength).replace('fields = "none"', "every = 0.3")
+        simulate(parse_scene(text), folder=folder)
+        assert main(["plot", str(folder)]) == 0
+        drawn = np.asarray(Image.open(folder / "deformed.png").convert("RGB")).astype(int)
+        red = 255 * np.array(to_rgb(LOOKS[3][1]))
+        counts[strength] = np.count_nonzero(np.abs(drawn - red).max(axis=2) < 20)
+        forces = np.asarray(Image.open(folder / "forces.png").convert("RGB")).astype(int)
+        assert forces.shape[0] > 800  # three panels
+    assert counts["1e5"] == 0 and counts["1e-3"] > 200
