@@ -355,7 +355,7 @@ def draw_heading(
         return _pixels(figure)
 
 
-def _add_legend(figure: Any, limit: float, states: Sequence[int]) -> None:
+def _add_legend(figure: Any, limit: float, states: Sequence[int] = ()) -> None:
     """The colours of arrows and rigid bodies, of links in their states, and of stress."""
     from matplotlib.patches import Patch
 
