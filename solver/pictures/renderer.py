@@ -256,10 +256,14 @@ class Renderer:
 
 
 def arrow(start: Array, direction: Array, length: float, *, unit: float) -> Any:
-    """An arrow, as `pyvista.PolyData`, m; its thickness and head are those of a unit length."""
+    """An arrow, as `pyvista.PolyData`, m.
+
+    Its thickness and head are those of a unit length, unless it is shorter than its head.
+    """
     import pyvista
 
-    head, thick = min(0.35 * unit, 0.6 * length), 0.035 * unit
+    head = min(0.35 * unit, 0.6 * length)
+    thick = min(0.035 * unit, 0.12 * head)  # also short ones are arrows, no dots
     return pyvista.Arrow(
         start=in_space(start),
         direction=in_space(direction),
