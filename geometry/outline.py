@@ -138,6 +138,16 @@ def limits_towards(block: Block, direction: tuple[float, ...]) -> Limits:
     return Outline.of(places, _seen(block.centre_of_mass(d), direction)).limits()
 
 
+@lru_cache(maxsize=256)
+def rolls(block: Block, dimension: int) -> bool:
+    """True if a block rolls from the face on which it stands to others, along x or y."""
+    if block.solid is None:
+        return False
+    ways = np.concatenate([np.eye(dimension - 1), -np.eye(dimension - 1)])
+    found = [limits_towards(block, tuple(map(float, way))).next_face for way in ways]
+    return min(found) < math.inf
+
+
 def _seen(place: Sequence[float], direction: Sequence[float]) -> tuple[float, float]:
     """A place along a horizontal direction and upwards."""
     return sum(x * along for x, along in zip(place, direction, strict=False)), place[-1]

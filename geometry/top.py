@@ -2,7 +2,8 @@
 
 Of a box that is its upper face. Of a shape it is the faces of its convex hull that look up within
 60 degrees of its upright axis: that of a dome, of a roof, of a stair, which holds what lies on it,
-reaches down to their lowest corner.
+reaches down to their lowest corner. The top of a body that rolls is level, whatever its turn is:
+others stand on what is uppermost then.
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ from enum import Enum
 import numpy as np
 
 from solver.history.pairs import force_on_first
-from solver.results.motion import boxes, lost_carrier
+from solver.results.motion import boxes, lost_carrier, top_axes
 from solver.results.runs import Run
 from solver.scene import BlockSpec
 from solver.types import Array
@@ -61,7 +61,8 @@ def block_frames(run: Run, block: BlockSpec, times: Array) -> BlockFrames:
     corners = np.unique(np.array(shape.corners(d)), axis=0) - middle
     up = np.broadcast_to(np.eye(d)[-1], centres.shape)
     if carrier is not None:
-        up = block_poses(run, carrier, times)[1][:, :, -1]
+        time = run.history["time_s"]
+        up = _turned(time, top_axes(run.history, carrier), times)[:, :, -1]
     if shape.solid is None:
         half = np.array(shape.half_lengths(d))
         foot = _foot(centres, frames, half, up, _off(block, half))
@@ -157,7 +158,7 @@ def _force(run: Run, block: BlockSpec, times: Array) -> Array:
     axes = np.broadcast_to(np.eye(run.scene.dimension), (count, up.shape[1], up.shape[1]))
     if carrier is not None:
         lost = lost_carrier(history, block, carrier)
-        axes = np.where(lost[:, None, None], axes, boxes(history, carrier).frames)
+        axes = np.where(lost[:, None, None], axes, top_axes(history, carrier))
     along = [history[f"{name}.friction_force_N"]]
     if f"{name}.friction_force_second_N" in history:
         along.append(history[f"{name}.friction_force_second_N"])

@@ -79,7 +79,7 @@ def instants(run: Run) -> list[Instant]:
     """Lift-off, largest angle, landing and end of the block that leans most over its slenderness.
 
     Of a block that is released: the release, its landing, the peak after that, the end.
-    Where nothing rocks, four instants evenly spread over the time in which something moves.
+    Where it rolls, or nothing rocks, four instants evenly spread over the time of motion.
     """
     first, last = moving_span(run.scene, run.history)
     end = Instant(last, "at rest" if last < run.history["time_s"][-1] else "end")
@@ -87,7 +87,8 @@ def instants(run: Run) -> list[Instant]:
     most = max(run.scene.blocks, key=lambda b: entries[b.name]["peak_angle_over_alpha"])
     motion = block_motion(run.scene, run.history, most)
     found = swings(motion.time, motion.angle, motion.shape.slenderness())
-    if not found:
+    rolls = "roll" in entries[most.name]["mode"].split("-")
+    if rolls or not found:
         return [Instant(float(t)) for t in np.linspace(first, last, 4)]
     if found[0].first == 0:
         return _after_release(run, most.name, last, end)

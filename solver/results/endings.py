@@ -21,7 +21,7 @@ from geometry.top import Top, top_of
 from solver.excitation.motion import GroundMotion
 from solver.history.columns import Rows
 from solver.history.history import scene_columns
-from solver.results.motion import Columns, boxes, centres, extents, tipping, total_lean
+from solver.results.motion import Columns, boxes, centres, extents, tipping, top_axes, total_lean
 from solver.scene import BlockSpec, Scene
 from solver.types import Array, Indices, Mask
 
@@ -210,9 +210,10 @@ class _PlacedTop(NamedTuple):
 def _carriers(scene: Scene, history: Columns, block: BlockSpec) -> Iterator[_PlacedTop]:
     """Tops that carry a block."""
     for carrier in scene.carriers_of(block):
-        box, shape = boxes(history, carrier), carrier.shape
-        origins = box.centres - box.frames @ shape.middle(scene.dimension)
-        yield _PlacedTop(top_of(shape, scene.dimension), origins, box.frames)
+        axes, d = top_axes(history, carrier), scene.dimension
+        centre = carrier.shape.centre_of_mass(d)
+        origins = centres(history, carrier.name) - axes @ np.array(centre)
+        yield _PlacedTop(top_of(carrier.shape, d), origins, axes)
     if scene.carrier_of(block) is None:
         yield _foundation(scene, history)
 

@@ -47,6 +47,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from geometry.block import Block
+from geometry.outline import rolls
 from solver.history.columns import Rows
 from solver.history.events import Event, Meeting
 from solver.history.history import History
@@ -761,7 +762,9 @@ def _motion(scene: Scene, block: BlockSpec, rows: Columns, carrier: BlockSpec | 
     if "base.vertical_acceleration_m_s2" in rows:
         pull[:, 1] -= rows["base.vertical_acceleration_m_s2"]
     if carrier is not None:
-        below, below_turn = planar(centres(rows, carrier.name)), turned(carrier)
+        below = planar(centres(rows, carrier.name))
+        if not rolls(carrier.shape, scene.dimension):
+            below_turn = turned(carrier)
     return _Motion(
         time=rows["time_s"],
         angle=leans.angle,

@@ -15,7 +15,7 @@ import numpy as np
 
 from geometry.block import Block
 from geometry.boxes import Boxes
-from geometry.outline import limits_towards
+from geometry.outline import limits_towards, rolls
 from geometry.top import top_of
 from solver.history.block_columns import has_lost_carrier
 from solver.history.history import History
@@ -193,11 +193,14 @@ def mode(block: Block, motion: BlockMotion, *, fell: bool = False) -> str:
 
 
 def leaning(history: Columns, block: BlockSpec, carrier: BlockSpec | None = None) -> Leaning:
-    """Largest lean of a block: against its carrier, or from upright where none is given."""
+    """Largest lean of a block: against its carrier, or from upright where none is given.
+
+    What rolls turns below others, which do not lean by that.
+    """
     if is_spatial(history, block.name):
         return _leaning_in_space(history, block, carrier)
     angle = history[f"{block.name}.angle_rad"]
-    if carrier is not None:
+    if carrier is not None and not rolls(carrier.shape, 2):
         angle = angle - history[f"{carrier.name}.angle_rad"]
     return Leaning(angle, block.shape, np.array([1.0]), np.zeros_like(angle))
 
@@ -230,10 +233,17 @@ def gaps_of(history: Columns, name: str) -> Array:
 
 def lost_carrier(history: Columns, block: BlockSpec, carrier: BlockSpec) -> Mask:
     """In which rows a block has lost the one that carried it, by `has_lost_carrier`."""
-    up = boxes(history, carrier).frames[:, :, -1]
+    up = top_axes(history, carrier)[:, :, -1]
     shift = centres(history, block.name) - centres(history, carrier.name)
     top = top_of(carrier.shape, up.shape[1]).level - carrier.shape.centre_height
     return np.asarray(has_lost_carrier(up[:, -1], np.sum(shift * up, axis=1), top))
+
+
+def top_axes(history: Columns, carrier: BlockSpec) -> Array:
+    """Axes of the top of a block as columns, (rows, d, d): level ones of what rolls."""
+    frames = boxes(history, carrier).frames
+    d = frames.shape[1]
+    return np.broadcast_to(np.eye(d), frames.shape) if rolls(carrier.shape, d) else frames
 
 
 def total_lean(history: Columns, name: str) -> Array:
@@ -311,7 +321,7 @@ def lowest_gap(history: Columns, block: BlockSpec, carrier: BlockSpec | None) ->
     up: Array = np.broadcast_to(np.eye(d)[-1], (len(rows), d))
     if carrier is not None:
         lost = lost_carrier(history, block, carrier)[rows]
-        up = np.where(lost[:, None], up, boxes(history, carrier).frames[rows, :, -1])
+        up = np.where(lost[:, None], up, top_axes(history, carrier)[rows, :, -1])
     # Its bottom corners have gaps, which say how high the plane is.
     bottom = np.array(shape.bottom_corners(d))
     reach = -extents(history, block, rows, -up[:, None], bottom)[:, 0]
@@ -396,7 +406,7 @@ def _turn(history: Columns, block: BlockSpec, carrier: BlockSpec | None) -> Arra
         return np.zeros(len(history["time_s"]))
     frames = boxes(history, block).frames
     if carrier is not None:
-        frames = np.swapaxes(boxes(history, carrier).frames, 1, 2) @ frames
+        frames = np.swapaxes(top_axes(history, carrier), 1, 2) @ frames
     sine, cosine = frames[:, 1, 0] - frames[:, 0, 1], frames[:, 0, 0] + frames[:, 1, 1]
     # Where it leans beyond 90 degrees, as what rolls does, that is no turn about the vertical.
     known = np.where(frames[:, 2, 2] > 0, np.arange(len(frames)), 0)
@@ -429,7 +439,7 @@ def _leaning_in_space(history: Columns, block: BlockSpec, carrier: BlockSpec | N
     axes = rotated(rotations, UP)
     # The carrier's upright axis in the block's own frame gives the direction of the lean.
     below = np.broadcast_to(UP, axes.shape)
-    if carrier is not None:
+    if carrier is not None and not rolls(carrier.shape, 3):
         below = upright_axes(history, carrier.name)
         axes = rotated(-_rotations(history, carrier.name), axes)
     most = int(np.argmax(_angle_from_up(axes)))
@@ -468,6 +478,6 @@ def _fell(history: History, block: BlockSpec, carriers: Sequence[BlockSpec]) -> 
 def _is_below(history: History, centre: Array, carrier: BlockSpec) -> bool:
     """True if a place is below the top of a block at the end, or below its centre."""
     above = centre - centres(history, carrier.name)[-1]
-    normal = boxes(history, carrier).frames[-1, :, -1]
+    normal = top_axes(history, carrier)[-1, :, -1]
     top = top_of(carrier.shape, len(centre)).level - carrier.shape.centre_height
     return bool(above @ normal < top or above[-1] < 0)

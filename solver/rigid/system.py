@@ -14,6 +14,7 @@ import numpy as np
 
 from geometry.arrangement import Pose, level
 from geometry.block import FACES, Block
+from geometry.outline import rolls
 from geometry.top import top_of
 from solver.history.columns import check_filled, columns, positions, row_layout
 from solver.history.events import Event, Meeting
@@ -210,9 +211,10 @@ class RigidSystem:
         bottoms = np.array([_bottom_of(block) for block in blocks])
         tops = np.array([b.shape.height - b.shape.centre_height for b in blocks])
         holds = np.array([top_of(b.shape, d).level - b.shape.centre_height for b in blocks])
-        self._written = BlockRows(
-            bottoms, tops, holds, [each[0] for each in carriers], _feet_of(blocks, self.columns)
-        )
+        level_tops = [rolls(block.shape, d) for block in blocks]
+        standing = [each[0] for each in carriers]
+        feet = _feet_of(blocks, self.columns)
+        self._written = BlockRows(bottoms, tops, holds, level_tops, standing, feet)
         self._before = self._world.now()
         frames = rotation_matrices(self._before.rotation)
         self._lean = self._written.lean(self._before, frames, np.zeros(len(blocks)))[0]

@@ -141,3 +141,30 @@ def test_what_lies_on_the_lower_step_of_a_stair_is_carried() -> None:
     # Its columns are those over the stair: 0.2 m below the plane of the post.
     assert history["up.gap_left_m"][-1] == pytest.approx(-0.2, abs=1e-3)
     assert history["up.normal_force_N"][-1] == pytest.approx(10 * 9.81, rel=1e-2)
+
+
+def test_a_slab_stays_on_the_rollers_that_turn_below_it() -> None:
+    """It goes twice as far as the rollers turn, by 97 degrees; its gaps stay those of rest."""
+    roller = "model = 'rigid'\nshape = { regular = 48 }\nwidth = 0.2\nthickness = 1.0\n"
+    scene = parse_scene(
+        f"[[block]]\nname = 'left'\n{roller}density = 2000.0\noffset = -0.3\n"
+        f"[[block]]\nname = 'right'\n{roller}density = 2000.0\noffset = 0.3\n"
+        "[[block]]\nname = 'slab'\non = ['left', 'right']\nmodel = 'rigid'\nwidth = 1.6\n"
+        "height = 0.1\nthickness = 1.0\ndensity = 2000.0\nvelocity = [0.6, 0.0]\n"
+        "[contact]\nfriction = 0.6\n[time]\nend = 0.7\nstep = 2e-4\n"
+    )
+    result = simulate(scene)
+    history, slab = result.history, scene.blocks[2]
+    summary = summary_of(scene, history)
+    blocks = summary["blocks"]
+    assert blocks["left"]["peak_angle_rad"] > math.radians(90)
+    assert [blocks[name]["mode"] for name in ("left", "right", "slab")] == ["roll", "roll", "rest"]
+    assert summary["collapse"] == [] and blocks["slab"]["fell_at_s"] is None
+    assert not any(lost_carrier(history, slab, scene.blocks[k]).any() for k in (0, 1))
+    rolled = 2 * 0.1 * math.cos(math.pi / 48) * history["left.angle_rad"][-1]
+    moved = history["slab.centre_x_m"][-1] - history["slab.slip_m"][-1]
+    assert moved == pytest.approx(rolled, rel=5e-3)
+    # The rollers' corners lift it by 0.2 mm each, at most.
+    lifted = 2 * 0.1 * (1 - math.cos(math.pi / 48))
+    for side in ("left", "right"):
+        assert np.abs(history[f"slab.gap_{side}_m"]).max() < 1.5 * lifted
