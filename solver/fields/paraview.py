@@ -58,6 +58,7 @@ bodies = WarpByVector(Input=fields, Vectors=["POINTS", "displacement"], ScaleFac
 shown = Show(bodies, view)
 shown.Representation = "$look"
 shown.EdgeColor = [0.35, 0.35, 0.35]
+$links
 $colours
 
 $floor
@@ -119,6 +120,7 @@ def write_script(folder: Path, scene: Scene, *, stress: bool) -> None:
         dimension=scene.dimension,
         level=floor_level(scene),
         stress=stress,
+        links=bool(scene.links),
         edges=all(b.model != "rigid" or b.shape.solid is None for b in scene.blocks),
     )
     (folder / "open_in_paraview.py").write_text(text, encoding="utf-8")
@@ -132,6 +134,7 @@ def paraview_script(
     level: float = 0.0,
     stress: bool = True,
     edges: bool = True,
+    links: bool = False,
 ) -> str:
     """Text of `open_in_paraview.py`, with a floor at a level whose half length is given, m.
 
@@ -142,6 +145,7 @@ def paraview_script(
     return SCRIPT.substitute(
         file=file,
         look="Surface With Edges" if edges else "Surface",
+        links="shown.LineWidth = 3.0  # of links" if links else "",
         half_floor=repr(float(half_floor)),
         level=repr(float(level)),
         coloured="coloured by von Mises stress" if stress else "each in a colour of its own",

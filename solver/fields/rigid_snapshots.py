@@ -6,14 +6,17 @@ from pathlib import Path
 
 import numpy as np
 
+from geometry.arrangement import Pose, level
 from geometry.skin import faces_of
 from solver.fields.files import open_files
 from solver.fields.ground import platform_corners
+from solver.fields.links import LinkFields
 from solver.fields.paraview import write_script
 from solver.fields.part import one_cell, rigid_fields, triangles
 from solver.fields.vtu import FieldsBefore
 from solver.rigid.system import RigidSystem
 from solver.scene import Scene
+from solver.scene.laws import GROUND
 from solver.types import Array
 
 
@@ -45,6 +48,8 @@ class RigidSnapshots:
         if scene.has_platform:
             parts.append(("platform", one_cell(platform_corners(scene))))
         self._writers = [self._files.body(*part) for part in parts]
+        self._links = LinkFields(scene, self._files) if scene.links else None
+        self._names = [block.name for block in scene.blocks]
         self._files.begin()
         if writes:
             write_script(folder, scene, stress=False)
@@ -61,7 +66,19 @@ class RigidSnapshots:
             shift[:, : self._dimension - 1] = self._bodies.drift
             speed[:, : self._dimension - 1] = self._bodies.drift_velocity
             writer.write(time, rigid_fields(shift, speed), {})
+        if self._links is not None:
+            ends = self._links.ends_by(self._frames())
+            self._links.write(time, ends, self._bodies.link_numbers)
         self._files.end_time(time)
+
+    def _frames(self) -> dict[str, Pose]:
+        """From the own frame of each block, and of the foundation, to where it is."""
+        place = np.append(self._bodies.drift, 0.0)
+        found = {GROUND: level(place)}
+        for number, name in enumerate(self._names):
+            rotation, centre = self._bodies.rotation(number), self._bodies.centre(number)
+            found[name] = Pose(rotation=rotation, about=self._centres[number], place=centre)
+        return found
 
     def _moved(self, block: int) -> tuple[Array, Array]:
         """From a block's centre of mass to its corners, m, and the velocities of these, m/s."""
@@ -78,4 +95,6 @@ class RigidSnapshots:
         """Close the files; they are complete after every snapshot."""
         for writer in self._writers:
             writer.close()
+        if self._links is not None:
+            self._links.close()
         self._files.close()

@@ -10,14 +10,12 @@ from typing import Any
 
 import numpy as np
 
+from geometry.top import STEEPEST_TOP
 from solver.history.columns import positions
 from solver.types import Array
 
 PLANE, SPACE = positions("block", 2), positions("block", 3)
 """Places of the columns within the part of a block."""
-
-STEEPEST_TOP = 0.5
-"""Cosine of the lean of a block's top beyond which it carries nothing, 60 degrees."""
 
 
 def has_lost_carrier(level: Any, height: Any, half: float) -> Any:
@@ -26,7 +24,7 @@ def has_lost_carrier(level: Any, height: Any, half: float) -> Any:
     Args:
         level: Cosine of the lean of the carrier's top.
         height: Of the block's centre of mass over that of its carrier, along the carrier's axis, m.
-        half: Height of the carrier's top over its centre of mass, m.
+        half: Height of the carrier's top over its centre of mass, m (`geometry.top`).
     """
     return (level <= STEEPEST_TOP) | (height <= half)
 

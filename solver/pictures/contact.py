@@ -9,11 +9,9 @@ from enum import Enum
 import numpy as np
 
 from solver.history.pairs import force_on_first
-from solver.results.motion import boxes, lost_carrier
+from solver.results.motion import boxes, lost_carrier, top_axes
 from solver.results.runs import Run
-from solver.scene import BlockSpec, LinkSpec
-from solver.scene.laws import GROUND
-from solver.scene.places import link_ends
+from solver.scene import BlockSpec
 from solver.types import Array
 
 TOUCHING = 2e-3
@@ -46,6 +44,8 @@ class BlockFrames:
     """Its corners in its own axes, from its middle, m, (k, d)."""
     force: Array
     """Force from its carrier over the weight there, the mean since the frame before, (n, d)."""
+    weight: float
+    """That weight, N; 1 without gravity."""
     foot: Array
     """Point of application of that force, m, (n, d)."""
     states: list[State]
@@ -61,7 +61,8 @@ def block_frames(run: Run, block: BlockSpec, times: Array) -> BlockFrames:
     corners = np.unique(np.array(shape.corners(d)), axis=0) - middle
     up = np.broadcast_to(np.eye(d)[-1], centres.shape)
     if carrier is not None:
-        up = block_poses(run, carrier, times)[1][:, :, -1]
+        time = run.history["time_s"]
+        up = _turned(time, top_axes(run.history, carrier), times)[:, :, -1]
     if shape.solid is None:
         half = np.array(shape.half_lengths(d))
         foot = _foot(centres, frames, half, up, _off(block, half))
@@ -73,6 +74,7 @@ def block_frames(run: Run, block: BlockSpec, times: Array) -> BlockFrames:
         frames=frames,
         corners=corners,
         force=_force(run, block, times),
+        weight=run.scene.stacked_mass(block) * run.scene.gravity or 1.0,
         foot=foot,
         states=_states(run, block, times),
     )
@@ -84,6 +86,8 @@ class PairFrames:
 
     force: Array
     """On the first, over the smaller of their weights, the mean since the frame before, (n, d)."""
+    weight: float
+    """The smaller of their weights, N; 1 without gravity."""
     place: Array
     """Where they press, m, (n, d)."""
     states: list[State]
@@ -110,28 +114,17 @@ def pair_frames(run: Run, times: Array) -> list[PairFrames]:
         height = min(b.shape.height for b in run.scene.blocks if b.name in (one, other))
         fast = AT_REST * math.sqrt(run.scene.gravity * height) * spacing
         states = [State.SLIPS if way > fast else State.STICKS for way in moved]
-        found.append(PairFrames(force=mean, place=place, states=states))
+        found.append(PairFrames(force=mean, weight=weight, place=place, states=states))
     return found
 
 
-def link_frames(run: Run, link: LinkSpec, drift: Array, times: Array) -> tuple[Array, Array]:
-    """Ends of a link at times (s), m, (n, 2, d), and its states, (n,).
-
-    `drift` is the displacement of the foundation, m, (n, d).
-    """
-    placed, history = run.scene.poses(), run.history
-    ends = []
-    for name, start in zip(link.between, link_ends(link, placed), strict=True):
-        if name == GROUND:
-            ends.append(start + drift)
-            continue
-        block = next(each for each in run.scene.blocks if each.name == name)
-        first = boxes(history, block)
-        arm = first.frames[0].T @ (start - first.centres[0])
-        centres, frames = block_poses(run, block, times)
-        ends.append(centres + frames @ arm)
-    before = np.searchsorted(history["time_s"], times, side="right") - 1
-    return np.stack(ends, axis=1), history[f"{link.name}.state"][np.maximum(before, 0)]
+def platform_drift(run: Run, times: Array) -> Array:
+    """Displacement of the foundation at some times (s), m, (n, d)."""
+    drift = np.zeros((len(times), run.scene.dimension))
+    for axis, name in enumerate(("platform.drift_m", "platform.drift_second_m")):
+        if name in run.history and axis < run.scene.dimension - 1:
+            drift[:, axis] = np.interp(times, run.history["time_s"], run.history[name])
+    return drift
 
 
 def block_poses(run: Run, block: BlockSpec, times: Array) -> tuple[Array, Array]:
@@ -165,7 +158,7 @@ def _force(run: Run, block: BlockSpec, times: Array) -> Array:
     axes = np.broadcast_to(np.eye(run.scene.dimension), (count, up.shape[1], up.shape[1]))
     if carrier is not None:
         lost = lost_carrier(history, block, carrier)
-        axes = np.where(lost[:, None, None], axes, boxes(history, carrier).frames)
+        axes = np.where(lost[:, None, None], axes, top_axes(history, carrier))
     along = [history[f"{name}.friction_force_N"]]
     if f"{name}.friction_force_second_N" in history:
         along.append(history[f"{name}.friction_force_second_N"])

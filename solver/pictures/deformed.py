@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -21,6 +21,7 @@ from matplotlib.ticker import FormatStrFormatter
 from solver.errors import EnvironmentTrouble
 from solver.fields.ground import floor_level
 from solver.pictures.contact import block_poses
+from solver.pictures.links import LOOKS, LinkFrames, legend_handles, links_of, states_in
 from solver.pictures.meshes import (
     EDGE_NORMALS,
     EDGES,
@@ -30,7 +31,7 @@ from solver.pictures.meshes import (
     rigid_shapes,
     stress_of,
 )
-from solver.pictures.renderer import Renderer, display, in_view
+from solver.pictures.renderer import Renderer, bars, display, in_view
 from solver.pictures.style import (
     FLOOR,
     FLOOR_EDGE,
@@ -57,6 +58,10 @@ TITLE, LABEL, BAR = 0.45, 0.45, 0.9
 #: Floor in space beyond the bodies, over their size.
 BEYOND = 0.3
 
+#: Length of an arrow of the weight over the height of the tallest block, as in films, and of a link
+#: that is drawn as a dot over that.
+UNIT, DOT = 0.3, 0.06
+
 #: Pixels of the longer side of a picture in space.
 PIXELS = 1000
 
@@ -74,7 +79,7 @@ def instants(run: Run) -> list[Instant]:
     """Lift-off, largest angle, landing and end of the block that leans most over its slenderness.
 
     Of a block that is released: the release, its landing, the peak after that, the end.
-    Where nothing rocks, four instants evenly spread over the time in which something moves.
+    Where it rolls, or nothing rocks, four instants evenly spread over the time of motion.
     """
     first, last = moving_span(run.scene, run.history)
     end = Instant(last, "at rest" if last < run.history["time_s"][-1] else "end")
@@ -82,7 +87,8 @@ def instants(run: Run) -> list[Instant]:
     most = max(run.scene.blocks, key=lambda b: entries[b.name]["peak_angle_over_alpha"])
     motion = block_motion(run.scene, run.history, most)
     found = swings(motion.time, motion.angle, motion.shape.slenderness())
-    if not found:
+    rolls = "roll" in entries[most.name]["mode"].split("-")
+    if rolls or not found:
         return [Instant(float(t)) for t in np.linspace(first, last, 4)]
     if found[0].first == 0:
         return _after_release(run, most.name, last, end)
@@ -119,11 +125,14 @@ class Snapshot:
     """The instant, s."""
     surfaces: list[Any]
     """Surface of each body as `pyvista.PolyData`, m."""
+    links: list[LinkFrames] = field(default_factory=list)
+    """Each link, at this instant alone."""
 
     @property
     def places(self) -> Array:
-        """Points of all surfaces, m, (n, 3)."""
-        return np.concatenate([np.asarray(surface.points) for surface in self.surfaces])
+        """Points of all surfaces, and ends of links, m, (n, 3)."""
+        ends = [_in_space(link.ends[0]) for link in self.links]
+        return np.concatenate([*(np.asarray(s.points) for s in self.surfaces), *ends])
 
     @property
     def von_mises(self) -> Array:
@@ -154,8 +163,14 @@ def read_snapshots(
                 surfaces[number] = shapes[name].at(centres[0], frames[0])
         if dimension == 3:
             surfaces = [_above(surface, floor) for surface in surfaces]
-        found.append(Snapshot(time_s=float(files.times[index]), surfaces=surfaces))
+        links = [] if run is None else links_of(run, files.times[[index]])
+        found.append(Snapshot(time_s=float(files.times[index]), surfaces=surfaces, links=links))
     return found
+
+
+def _in_space(places: Array) -> Array:
+    """Places (n, d) in space, m, (n, 3)."""
+    return np.pad(places, ((0, 0), (0, 3 - places.shape[1])))
 
 
 def _above(surface: Any, floor: float) -> Any:
@@ -187,7 +202,8 @@ def deformed_figure(run: Run, fields: Path, chosen: Sequence[Instant] = ()) -> F
     panel = (WIDTH - LABEL - (BAR if _limit(snapshots) > 0 else 0.0)) / columns
     height = rows * (panel * float(high_by / wide) + TITLE) + LABEL
     figure = new_figure(min(max(height, 1.8), 8.0))
-    draw_snapshots(figure, snapshots, chosen, dimension=dimension, floor=floor)
+    unit = UNIT * max(block.shape.height for block in run.scene.blocks)
+    draw_snapshots(figure, snapshots, chosen, dimension=dimension, floor=floor, unit=unit)
     return figure
 
 
@@ -211,10 +227,12 @@ def draw_snapshots(
     *,
     dimension: int,
     floor: float,
+    unit: float = 1.0,
 ) -> None:
     """Draw snapshots side by side, or in two rows where they are wide.
 
-    Where VTK cannot draw those in space, the figure says so, and so does the program.
+    Where VTK cannot draw those in space, the figure says so, and so does the program. Links are as
+    thick as they are in a film, where `unit`, m, is the length of an arrow of the weight.
     """
     low, high = _window(snapshots, floor, dimension)
     columns = _columns(float(np.divide(*(high - low))), len(snapshots))
@@ -223,19 +241,20 @@ def draw_snapshots(
     pictures: list[Any] = []
     if dimension == 3:
         try:
-            pictures = _rendered(snapshots, (low, high), floor, limit)
+            pictures = _rendered(snapshots, (low, high), floor, limit, unit)
         except EnvironmentTrouble as error:
             tell(f"the bodies in space are not drawn: {error}\n")
             figure.text(0.5, 0.5, f"not drawn: {error}", ha="center", fontsize="small")
             return
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
-    unit, factor = stress_unit(limit)
+    name, factor = stress_unit(limit)
     for number, (axes, snapshot) in enumerate(zip(grid.ravel(), snapshots, strict=False)):
         if pictures:
             axes.imshow(pictures[number], extent=(low[0], high[0], low[1], high[1]))
         else:
             _draw_floor(axes, floor, floor - low[1])
             _draw_bodies(axes, snapshot, factor, limit)
+            _draw_links(axes, snapshot, unit)
         axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
         axes.set_title(_title(snapshot, chosen))
         axes.locator_params(axis="x", nbins=3)
@@ -250,11 +269,18 @@ def draw_snapshots(
     if limit > 0:
         colours = ScalarMappable(Normalize(0, factor * limit), STRESS)
         bar = figure.colorbar(colours, ax=list(grid.ravel()), extend="max", shrink=0.9)
-        bar.set_label(f"von Mises stress ({unit})")
+        bar.set_label(f"von Mises stress ({name})")
+    states = states_in(link for snapshot in snapshots for link in snapshot.links)
+    if states:
+        figure.legend(handles=legend_handles(states), loc="outside lower center", ncols=4)
 
 
 def _rendered(
-    snapshots: Sequence[Snapshot], window: tuple[Array, Array], floor: float, limit: float
+    snapshots: Sequence[Snapshot],
+    window: tuple[Array, Array],
+    floor: float,
+    limit: float,
+    unit: float,
 ) -> list[Any]:
     """Pictures of snapshots in space that show a window, m, as it is seen."""
     shown, (wide, high) = _shown(snapshots, floor), window[1] - window[0]
@@ -264,7 +290,10 @@ def _rendered(
         renderer = Renderer(
             size, least, most, window=window, floor=floor, limit=limit, beyond=0.0, line=2.0
         )
-        pictures = [renderer.draw([(s, PLAIN) for s in each.surfaces]) for each in snapshots]
+        pictures = [
+            renderer.draw([(s, PLAIN) for s in each.surfaces], bars(each.links, 0, unit=unit))
+            for each in snapshots
+        ]
         renderer.close()
     return pictures
 
@@ -319,6 +348,16 @@ def _draw_bodies(axes: Any, snapshot: Snapshot, factor: float, limit: float) -> 
         axes.add_collection(
             LineCollection(ends, colors="black", linewidths=0.5, zorder=1, capstyle="round")
         )
+
+
+def _draw_links(axes: Any, snapshot: Snapshot, unit: float) -> None:
+    """The links in the plane; one whose ends are at one place is a dot."""
+    for link in snapshot.links:
+        hue = LOOKS[int(link.states[0])][1]
+        for line in link.lines(0, unit):
+            short = np.linalg.norm(line[1] - line[0]) < DOT * unit
+            look = {"marker": "o", "markersize": 3.0} if short else {"linewidth": 1.2}
+            axes.plot(*line.T, color=hue, solid_capstyle="round", zorder=3, **look)
 
 
 def _sides(surface: Any, *, plain: bool) -> Iterator[Array]:

@@ -14,16 +14,18 @@ from solver.errors import SceneError
 from solver.fields.ground import floor_level
 from solver.pictures.contact import (
     BlockFrames,
+    PairFrames,
     State,
     block_frames,
     interpolated,
-    link_frames,
     pair_frames,
+    platform_drift,
 )
 from solver.pictures.encode import encoder_for
 from solver.pictures.ground import add_ground
+from solver.pictures.links import LinkFrames, legend_handles, links_of, states_in
 from solver.pictures.meshes import Bodies, bodies_of
-from solver.pictures.renderer import Pixels, Renderer, arrow, bar, display, in_space, in_view
+from solver.pictures.renderer import Pixels, Renderer, arrow, bars, display, in_space, in_view
 from solver.pictures.style import (
     STRESS,
     STYLE,
@@ -53,11 +55,10 @@ FOLLOWED_DISTANCE = 1.5
 FORCE = {State.STICKS: "#2aa9ff", State.SLIPS: "#ff6a00", State.OPEN: "#2aa9ff"}
 BODY = {State.STICKS: "#c9d3df", State.SLIPS: "#f6cf9b", State.OPEN: "#e8f4e4"}
 PLATFORM = "#b5b5b5"
-LINK = ("#8a8a8a", "#202020", "#b03060")
-"""Colours of links that are slack, taut, or have flowed; broken ones are not drawn."""
 
-#: An arrow is drawn no longer than this, and not where it is shorter than that, over the weight's.
-LONGEST, SHORTEST_ARROW = 3.0, 0.03
+#: An arrow is drawn no longer than this, and not where it is shorter than that, over the one of the
+#: largest weight, which has a part of the height of the tallest block.
+LONGEST, SHORTEST_ARROW, UNIT = 3.0, 0.03, 0.3
 
 #: Pixels an inch of the still parts.
 RESOLUTION = 100
@@ -137,7 +138,8 @@ def _frames(shots: Sequence[Shot], span: tuple[float, float], width: int) -> Ite
     corners = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(len(low), -1).T
     window = in_view(corners).min(axis=0), in_view(corners).max(axis=0)
     beyond = 2 * float(np.max(high - low))
-    heading, strip = draw_heading(runs, limit, width), draw_strip(runs, span, width)
+    states = states_in(link for shot in shots for link in shot.links)
+    heading, strip = draw_heading(runs, limit, width, states), draw_strip(runs, span, width)
     renderers = [
         Renderer(size, low, high, window=window, floor=each.floor, limit=limit, beyond=beyond)
         for each in shots
@@ -199,22 +201,20 @@ class Shot:
 
         It is seen from the ground, or `fixed`: from a place at rest.
         """
-        scene, history = run.scene, run.history
+        scene = run.scene
         self.run, self.times, self.floor = run, times, floor_level(scene)
         self._blocks = {block.name: block_frames(run, block, times) for block in scene.blocks}
         self._pairs = pair_frames(run, times)
-        drift = np.zeros((len(times), scene.dimension))
-        for axis, name in enumerate(("platform.drift_m", "platform.drift_second_m")):
-            if name in history and axis < scene.dimension - 1:
-                drift[:, axis] = np.interp(times, history["time_s"], history[name])
-        self._links = [link_frames(run, link, drift, times) for link in scene.links]
+        self.links = links_of(run, times)
         blocks = list(self._blocks.values())
-        self.bodies: Bodies = bodies_of(run, blocks, drift, times)
+        self.bodies: Bodies = bodies_of(run, blocks, platform_drift(run, times), times)
         self._ground = ground_path(run, times) if fixed else np.zeros((len(times), scene.dimension))
-        self.low, self.high = _extent(blocks, self.bodies, self._ground)
+        self.low, self.high = _extent(blocks, self.bodies, self.links, self._ground)
         """Least and greatest place of the bodies in all frames, m, (d,)."""
-        self._unit = 0.3 * min(block.shape.height for block in scene.blocks)
-        """Length of an arrow that stands for the weight, m."""
+        self._unit = UNIT * max(block.shape.height for block in scene.blocks)
+        """Length of an arrow that stands for the largest weight, m."""
+        self._weight = max(block.weight for block in blocks)
+        """That weight, N."""
 
     def draw(self, renderer: Renderer, frame: int) -> Pixels:
         """The picture of a frame."""
@@ -223,22 +223,19 @@ class Shot:
             (surface, BODY[blocks[name].states[frame]] if name in blocks else PLATFORM)
             for name, surface in zip(self.bodies.names, self.bodies.at(frame), strict=True)
         ]
-        pushes = [(b.force[frame], b.foot[frame], b.states[frame]) for b in blocks.values()]
-        pushes += [(p.force[frame], p.place[frame], p.states[frame]) for p in self._pairs]
-        for force, place, state in pushes:
-            length = float(np.linalg.norm(force))
+        pushes: list[tuple[BlockFrames | PairFrames, Array]]
+        pushes = [(b, b.foot[frame]) for b in blocks.values()]
+        pushes += [(p, p.place[frame]) for p in self._pairs]
+        for push, place in pushes:
+            force, state = push.force[frame], push.states[frame]
+            length = float(np.linalg.norm(force)) * push.weight / self._weight
             if length >= SHORTEST_ARROW:
                 start = in_space(place)
                 start[2] += 0.01 * (len(force) == 2)  # before the plane
                 drawn = self._unit * min(length, LONGEST)
                 hue = FORCE[state]
                 arrows.append((arrow(start, force, drawn, unit=self._unit), hue))
-        for ends, states in self._links:
-            drawn_as = int(states[frame])
-            if drawn_as < len(LINK):
-                here = np.stack([in_space(end) for end in ends[frame]])
-                here[:, 2] += 0.01 * (ends.shape[2] == 2)
-                arrows.append((bar(here[0], here[1], unit=self._unit), LINK[drawn_as]))
+        arrows += bars(self.links, frame, unit=self._unit)
         return renderer.draw(bodies, arrows, self._ground[frame])
 
 
@@ -259,7 +256,9 @@ def ground_path(run: Run, times: Array) -> Array:
     return interpolated(time, path, times)
 
 
-def _extent(blocks: Sequence[BlockFrames], bodies: Bodies, ground: Array) -> tuple[Array, Array]:
+def _extent(
+    blocks: Sequence[BlockFrames], bodies: Bodies, links: Sequence[LinkFrames], ground: Array
+) -> tuple[Array, Array]:
     """Least and greatest place of all that is shown, m."""
     start = np.concatenate([np.asarray(surface.points) for surface in bodies.at(0)])
     start = start[:, : ground.shape[1]]
@@ -271,6 +270,10 @@ def _extent(blocks: Sequence[BlockFrames], bodies: Bodies, ground: Array) -> tup
         reach = block.frames @ block.corners.T
         low = np.minimum(low, (middle + reach.min(axis=2)).min(axis=0))
         high = np.maximum(high, (middle + reach.max(axis=2)).max(axis=0))
+    for link in links:
+        ends = link.ends + ground[:, None]
+        low = np.minimum(low, ends.min(axis=(0, 1)))
+        high = np.maximum(high, ends.max(axis=(0, 1)))
     return np.maximum(low, first - away), np.minimum(high, last + away)
 
 
@@ -335,7 +338,9 @@ def _add_angles(axes: Any, runs: Sequence[Run]) -> None:
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
 
 
-def draw_heading(runs: Sequence[Run], limit: float, width: int) -> Pixels:
+def draw_heading(
+    runs: Sequence[Run], limit: float, width: int, states: Sequence[int] = ()
+) -> Pixels:
     """The titles of the runs, each over its shot, and what colours mean."""
     with mpl.rc_context(STYLE):
         figure = new_figure(0.62, width=width / RESOLUTION)
@@ -346,12 +351,12 @@ def draw_heading(runs: Sequence[Run], limit: float, width: int) -> Pixels:
             left = (number + 0.5) / len(runs) if len(runs) > 1 else 0.012
             side = "center" if len(runs) > 1 else "left"
             figure.text(left, 0.93, title, ha=side, va="top", fontsize=11, weight="bold")
-        _add_legend(figure, limit)
+        _add_legend(figure, limit, states)
         return _pixels(figure)
 
 
-def _add_legend(figure: Any, limit: float) -> None:
-    """The colours of arrows and rigid bodies, and of stress."""
+def _add_legend(figure: Any, limit: float, states: Sequence[int] = ()) -> None:
+    """The colours of arrows and rigid bodies, of links in their states, and of stress."""
     from matplotlib.patches import Patch
 
     handles = [
@@ -362,11 +367,12 @@ def _add_legend(figure: Any, limit: float) -> None:
         )
         for s in (State.STICKS, State.SLIPS)
     ]
+    handles += legend_handles(states)
     figure.legend(
         handles=handles,
         loc="lower left",
         bbox_to_anchor=(0.0, -0.06),
-        ncols=3,
+        ncols=len(handles),
         title=None,
         handlelength=1.2,
         fontsize=8.5,

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from solver.pictures.style import (
@@ -39,15 +40,21 @@ LEAST_LENGTH = 0.1
 MOST_PAIRS = 6
 
 
+#: Links of which forces are drawn, at most: those with the largest ones.
+MOST_LINKS = 6
+
+
 def draw_forces(run: Run) -> Figure:
-    """Forces on each block from what it stands on, over the weight there, and the slips.
+    """Forces on each block from what it stands on, over the weight there, those of links, slips.
 
     Where the run has told what pairs of bodies do, also those between neighbours.
     """
     blocks, pairs = run.scene.blocks, _neighbours(run)
-    count = len(blocks) + len(pairs) + 1
+    count = len(blocks) + len(pairs) + bool(run.scene.links) + 1
     figure = new_figure(1.4 + 1.4 * count)
     *panels, below = figure.subplots(count, 1, sharex=True)
+    if run.scene.links:
+        _add_links(panels.pop(), run)
     for axes, block in zip(panels, blocks, strict=False):
         _add_forces(axes, run, block)
         if len(blocks) > 1:
@@ -105,6 +112,39 @@ def _add_neighbours(axes: Axes, run: Run, names: tuple[str, str], known: dict[st
     cut = _cut_impacts(axes, normal, friction) if weight else ""
     axes.set_ylabel(f"force / weight{cut}" if weight else "force (N)")
     axes.set_title(f"between {names[0]} and {names[1]}", loc="left")
+    zero_line(axes)
+
+
+def _add_links(axes: Axes, run: Run) -> None:
+    """Forces of links, tension positive, dashed across them, and where they broke."""
+    history, links = run.history, run.summary["links"]
+    most = sorted(links, key=lambda name: float(links[name]["peak_force_N"]), reverse=True)
+    chosen = [link for link in run.scene.links if link.name in most[:MOST_LINKS]]
+    largest = max(float(links[link.name]["peak_force_N"]) for link in chosen)
+    unit, factor = ("kN", 1e-3) if largest >= 1e3 else ("N", 1.0)
+    named: dict[str, Line2D] = {}
+    for number, link in enumerate(chosen):
+        hue, broke = colour(number), links[link.name]["broke_at_s"]
+        force = factor * history[f"{link.name}.force_N"]
+        (curve,) = axes.plot(history["time_s"], force, color=hue, linewidth=0.8)
+        named[link.name] = curve
+        ways = [f"{link.name}.shear_force{way}_N" for way in ("", "_second")]
+        shear = [history[name] for name in ways if name in history]
+        if shear:
+            across = factor * np.linalg.norm(shear, axis=0)
+            axes.plot(history["time_s"], across, color=hue, linewidth=0.8, linestyle=DASHES)
+        if broke is not None:
+            strength = factor * (link.strength or 0.0)
+            axes.plot([broke], [strength], color=hue, marker="x", linestyle="")
+    left = len(run.scene.links) - len(chosen)
+    more = f" ({left} more)" if left else ""
+    axes.set_title(f"links{more}", loc="left")
+    axes.set_ylabel(f"tension ({unit})")
+    if any(links[link.name]["broke_at_s"] is not None for link in chosen):
+        named["breaks"] = Line2D([], [], color="black", marker="x", linestyle="")
+    # Colours have other meanings in the other panels, so that it has a legend of its own.
+    look = {"ncols": len(named), "borderpad": 0.1, "columnspacing": 1.2, "handlelength": 1.2}
+    axes.legend(named.values(), named.keys(), loc="lower right", bbox_to_anchor=(1.0, 1.0), **look)
     zero_line(axes)
 
 

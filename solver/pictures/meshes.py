@@ -17,6 +17,7 @@ from solver.pictures.contact import BlockFrames, block_poses
 from solver.pictures.style import largest
 from solver.results.runs import Run
 from solver.scene import BlockSpec, Scene
+from solver.scene.names import LINKS
 from solver.types import Array
 
 #: Snapshots that the range of the colours of a film is taken from.
@@ -100,7 +101,10 @@ class FieldFiles:
     def __init__(self, file: Path):
         """Read times and names."""
         self._grids = HdfGrids(file) if file.suffix == ".vtkhdf" else PvdGrids(file)
-        self.times, self.names = self._grids.times, self._grids.names
+        self.times = self._grids.times
+        self._numbers = [k for k, name in enumerate(self._grids.names) if name != LINKS]
+        self.names = [self._grids.names[k] for k in self._numbers]
+        """Names of the bodies; links are drawn by the history."""
 
     def read(self, index: int) -> list[Any]:
         """Surface of each body as `pyvista.PolyData`, in the order of the file.
@@ -108,7 +112,8 @@ class FieldFiles:
         Points are where the bodies stand, m; faces of meshed bodies have the von Mises stress of
         their cells (`von_mises`, Pa).
         """
-        return [_surface(grid) for grid in self._grids.read(index)]
+        grids = self._grids.read(index)
+        return [_surface(grids[k]) for k in self._numbers]
 
     def nearest(self, times: Sequence[float]) -> list[int]:
         """The snapshots nearest to some times, each once, by their numbers."""

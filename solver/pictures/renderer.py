@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.errors import EnvironmentTrouble
+from solver.pictures.links import LOOKS, LinkFrames
 from solver.pictures.meshes import EDGE_NORMALS, EDGES, SHARP
 from solver.pictures.style import FLOOR, STRESS
 from solver.scene.time import rounded_down
@@ -255,10 +256,14 @@ class Renderer:
 
 
 def arrow(start: Array, direction: Array, length: float, *, unit: float) -> Any:
-    """An arrow, as `pyvista.PolyData`, m; its thickness and head are those of a unit length."""
+    """An arrow, as `pyvista.PolyData`, m.
+
+    Its thickness and head are those of a unit length, unless it is shorter than its head.
+    """
     import pyvista
 
-    head, thick = min(0.35 * unit, 0.6 * length), 0.035 * unit
+    head = min(0.35 * unit, 0.6 * length)
+    thick = min(0.035 * unit, 0.12 * head)  # also short ones are arrows, no dots
     return pyvista.Arrow(
         start=in_space(start),
         direction=in_space(direction),
@@ -269,6 +274,22 @@ def arrow(start: Array, direction: Array, length: float, *, unit: float) -> Any:
         shaft_resolution=24,
         tip_resolution=24,
     )
+
+
+def bars(links: Sequence[LinkFrames], frame: int, *, unit: float) -> list[tuple[Any, str]]:
+    """What stands for links in a frame, `pyvista.PolyData` with their colours, m.
+
+    In the plane they are before the bodies.
+    """
+    found = []
+    for link in links:
+        for line in link.lines(frame, unit):
+            first, second = in_space(line[0]), in_space(line[1])
+            if line.shape[1] == 2:
+                first[2] = second[2] = 0.01
+            hue = LOOKS[int(link.states[frame])][1]
+            found.append((bar(first, second, unit=unit), hue))
+    return found
 
 
 def bar(first: Array, second: Array, *, unit: float) -> Any:

@@ -93,7 +93,7 @@ def _hulls(scene: Scene) -> list[str]:
     """Surfaces of files that contacts do not see as they are."""
     found = []
     for block in scene.blocks:
-        solid, spec = block.shape.solid, block.shape_of
+        solid, spec = block.shape.solid, block.given_shape
         if solid is None or spec is None or not solid.hull_excess > LARGEST_EXCESS:
             continue
         seen = "its convex hull" if len(solid.parts) == 1 else "convex parts"

@@ -1,30 +1,29 @@
 """Times at which blocks have overturned or fallen, and the watch that ends a run there.
 
 A block has overturned where it leans, against upright, beyond the angle from which it does not come
-back (`rocking.no_return`). It has fallen where it moves down and either all of it is below the
-plane of the top of what carried it, or all of it is beside that top and some of it below: nothing
-holds it any more. Where several carried it, it is off all of them. Where rigid blocks with a
-restitution stand on a plate, their engine takes it for the ground, and a run ends where a corner
-touches that beyond its edge. All are found from the columns of a history, in the same way for all
-engines.
+back (`motion.tipping`); what rolls has none. It has fallen where it moves down and either all of it
+is below the plane of the top of what carried it, or all of it is beside that top and some of it
+below: nothing holds it any more. Where several carried it, it is off all of them. Where rigid
+blocks with a restitution stand on a plate, their engine takes it for the ground, and a run ends
+where a corner touches that beyond its edge. All are found from the columns of a history, in the
+same way for all engines.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from geometry.boxes import Boxes
+from geometry.top import Top, top_of
 from solver.excitation.motion import GroundMotion
 from solver.history.columns import Rows
 from solver.history.history import scene_columns
-from solver.results.motion import Columns, boxes, centres, slenderness, total_lean
-from solver.results.rocking import no_return
+from solver.results.motion import Columns, boxes, centres, extents, tipping, top_axes, total_lean
 from solver.scene import BlockSpec, Scene
-from solver.types import Array, Mask
+from solver.types import Array, Indices, Mask
 
 AT_LEVEL = 1e-6
 """Height of a corner that touches the ground, at most, over the height of its block."""
@@ -122,7 +121,7 @@ def overturned_at(history: Columns, block: BlockSpec) -> float | None:
     lost = np.flatnonzero(beyond_return(history, block))
     if len(lost):
         return float(time[lost[0]])
-    held = np.abs(total_lean(history, block.name)) <= slenderness(history, block)
+    held = np.abs(total_lean(history, block.name)) <= tipping(history, block).balance
     if held[-1]:
         return None
     last = np.flatnonzero(held)
@@ -139,8 +138,8 @@ def fell_at(scene: Scene, history: Columns, block: BlockSpec) -> float | None:
 
 def beyond_return(history: Columns, block: BlockSpec) -> Mask:
     """In which rows a block leans beyond the angle from which it does not come back."""
-    lost = no_return(slenderness(history, block))
-    return np.asarray(np.abs(total_lean(history, block.name)) > lost)
+    lean = np.abs(total_lean(history, block.name))
+    return np.asarray(lean > tipping(history, block).no_return)
 
 
 def beyond_edge(scene: Scene, history: Columns, block: BlockSpec) -> Mask:
@@ -165,27 +164,32 @@ def off_foundation(scene: Scene, history: Columns, block: BlockSpec) -> Mask:
     return _off(history, block, [_foundation(scene, history)])
 
 
-def _off(history: Columns, block: BlockSpec, tops: Iterable[tuple[Boxes, Array]]) -> Mask:
+def _off(history: Columns, block: BlockSpec, tops: Iterable[_PlacedTop]) -> Mask:
     """In which rows a block moves down, off all of some tops; never in the first one."""
-    box = boxes(history, block)
-    middle = box.centres
-    level = middle[:, -1]
-    falls = np.diff(level, prepend=level[:1]) < 0
-    if not falls.any():
-        return falls
-    for carrier, half in tops:
-        inwards = np.swapaxes(carrier.frames, 1, 2)
-        place = np.einsum("nij,nj->ni", inwards, middle - carrier.centres)
-        aside, height = np.abs(place[:, :-1]), place[:, -1]
-        # Only where its centre is off the top, too.
-        falls &= (height < 0) | (aside > half).any(axis=1)
-        if not falls.any():
+    middle = boxes(history, block).centres
+    falls = np.diff(middle[:, -1], prepend=middle[:1, -1]) < 0
+    for carrier in tops:
+        rows = np.flatnonzero(falls)
+        inwards, at = np.swapaxes(carrier.frames[rows], 1, 2), carrier.origins[rows]
+        # Only where its middle is off the top, too.
+        off = carrier.top.is_off(np.einsum("nij,nj->ni", inwards, middle[rows] - at))
+        falls[rows[~off]] = False
+        rows, inwards, at = rows[off], inwards[off], at[off]
+        if not len(rows):
             return falls
-        reach = box.reach(inwards)
-        below = height + reach[:, -1] <= 0
-        beside = (aside - reach[:, :-1] >= half).any(axis=1) & (height < reach[:, -1])
-        falls &= below | beside
+        top = carrier.top
+        out = top.normals @ inwards[:, :-1]
+        high = _reach(history, block, rows, inwards[:, -1:], at)[:, 0]
+        low = -_reach(history, block, rows, -inwards[:, -1:], at)[:, 0]
+        near = -_reach(history, block, rows, -out, at)
+        beside = (near >= top.reach).any(axis=1) & (low < top.level)
+        falls[rows] = (high <= top.level) | beside
     return np.asarray(falls)
+
+
+def _reach(history: Columns, block: BlockSpec, rows: Indices, axes: Array, origins: Array) -> Array:
+    """How far a block reaches along unit vectors (rows, axes, d) from origins (rows, d), m."""
+    return extents(history, block, rows, axes) - np.einsum("nad,nd->na", axes, origins)
 
 
 def has_ends(scene: Scene, block: BlockSpec) -> bool:
@@ -193,24 +197,35 @@ def has_ends(scene: Scene, block: BlockSpec) -> bool:
     return scene.carrier_of(block) is not None or scene.foundation.top is not None
 
 
-def _carriers(scene: Scene, history: Columns, block: BlockSpec) -> Iterator[tuple[Boxes, Array]]:
-    """Tops that carry a block: middle and axes of each over the rows, and half its lengths."""
+class _PlacedTop(NamedTuple):
+    """A top that carries a block, over the rows."""
+
+    top: Top
+    origins: Array
+    """The origin of its frame, (rows, d), m."""
+    frames: Array
+    """The axes of that frame as columns, (rows, d, d)."""
+
+
+def _carriers(scene: Scene, history: Columns, block: BlockSpec) -> Iterator[_PlacedTop]:
+    """Tops that carry a block."""
     for carrier in scene.carriers_of(block):
-        below = boxes(history, carrier)
-        top = below.centres + below.half[-1] * below.frames[:, :, -1]
-        yield Boxes(half=below.half, centres=top, frames=below.frames), below.half[:-1]
+        axes, d = top_axes(history, carrier), scene.dimension
+        centre = carrier.shape.centre_of_mass(d)
+        origins = centres(history, carrier.name) - axes @ np.array(centre)
+        yield _PlacedTop(top_of(carrier.shape, d), origins, axes)
     if scene.carrier_of(block) is None:
         yield _foundation(scene, history)
 
 
-def _foundation(scene: Scene, history: Columns) -> tuple[Boxes, Array]:
-    """The top of a foundation that has ends: middle and axes over the rows, half its lengths."""
+def _foundation(scene: Scene, history: Columns) -> _PlacedTop:
+    """The top of a foundation that has ends."""
     assert scene.foundation.top is not None
     dimension = scene.dimension
     half = np.array(scene.foundation.top[: dimension - 1]) / 2
-    top = np.zeros((len(history["time_s"]), dimension))
+    origins = np.zeros((len(history["time_s"]), dimension))
     for axis, way in enumerate(("", "_second")[: dimension - 1]):
         if f"platform.drift{way}_m" in history:
-            top[:, axis] = history[f"platform.drift{way}_m"]
-    frames = np.broadcast_to(np.eye(dimension), (len(top), dimension, dimension))
-    return Boxes(half=np.append(half, 0.0), centres=top, frames=frames), half
+            origins[:, axis] = history[f"platform.drift{way}_m"]
+    frames = np.broadcast_to(np.eye(dimension), (len(origins), dimension, dimension))
+    return _PlacedTop(Top.rectangle(half, 0.0), origins, frames)

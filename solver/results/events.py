@@ -47,6 +47,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from geometry.block import Block
+from geometry.outline import rolls
 from solver.history.columns import Rows
 from solver.history.events import Event, Meeting
 from solver.history.history import History
@@ -62,6 +63,7 @@ from solver.results.motion import (
     is_spatial,
     leaning,
     lost_carrier,
+    lowest_gap,
     upright_axes,
 )
 from solver.results.rocking import Swing, begins, end_of, swings
@@ -138,6 +140,8 @@ class _Motion(NamedTuple):
     """Lean out of the plane, rad."""
     gaps: Array
     """Gaps of the bottom corners, (rows, corners), m."""
+    low: Array
+    """Gap of the lowest corner, m."""
     slip: Array
     """Slip along the carrier, (rows, 1 or 2), m."""
     normal: Array
@@ -360,8 +364,7 @@ class _Search:
     def run(self, *, firm: bool, ends: bool) -> Iterator[Event]:
         """The events that are certain; all where the run ends here."""
         self._motion = motion = _motion(self._scene, self._block, self._rows, self._carrier)
-        self._low = motion.gaps.min(axis=1)
-        self._off = (motion.normal <= 0) & (self._low > CLEAR * self._block.width)
+        self._off = (motion.normal <= 0) & (motion.low > CLEAR * self._block.width)
         # What carries the block and all on it at rest, N.
         self._weight = -self._scene.stacked_mass(self._block) * motion.pull[:, 1]
         yield from self._endings()
@@ -404,14 +407,14 @@ class _Search:
 
         A flight is told as soon as it counts for certain, so that a long one needs no old rows.
         """
-        m, low, off, width = self._motion, self._low, self._off, self._block.width
-        counts, on = flights(m.normal, m.gaps, m.slip, width), np.flatnonzero(~off)
+        m, off, width = self._motion, self._off, self._block.width
+        counts, on = flights(m.normal, m.low, m.slip, width), np.flatnonzero(~off)
         told = self._noted.pop("aloft", None) is not None and bool(off[0])
         if told:
             counts[: on[0] + 1 if len(on) else None] = True
         if off[-1] and not ends:
             begun = int(on[-1]) + 1 if len(on) else 0
-            if low[begun:].max() > SMALLEST_WAY * width or (told and not begun):
+            if m.low[begun:].max() > SMALLEST_WAY * width or (told and not begun):
                 self._noted["aloft"] = float(m.time[-1])
             else:
                 counts[begun:] = False
@@ -421,10 +424,10 @@ class _Search:
             lands = int(end) - 1
             if first and self._once("flight", m.time[first]):
                 every = np.arange(m.gaps.shape[1])
-                yield self._beside(m.time[first], "flight", every, low, after=first - 1)
+                yield self._beside(m.time[first], "flight", every, m.low, after=first - 1)
             if not off[lands] and self._once("landing", m.time[lands]):
                 down = np.flatnonzero(m.gaps[lands] <= CLEAR * width)
-                found = self._beside(m.time[lands], "landing", down, low, lands - 2, lands + 1)
+                found = self._beside(m.time[lands], "landing", down, m.low, lands - 2, lands + 1)
                 met = self._meeting(float(m.time[lands]), max(lands - 1, 0))
                 yield found if met is None else self._exact(found, met)
 
@@ -574,7 +577,7 @@ class _Search:
         rises = [_rise(m.shape, s.peak_rad) for s in (before, after or before)]
         begin = np.searchsorted(m.time, before.peak_s)
         end = np.searchsorted(m.time, after.peak_s, side="right") if after else None
-        hop = np.max(self._low[begin:end], initial=0.0)
+        hop = np.max(m.low[begin:end], initial=0.0)
         return HOPS if hop > LARGEST_HOP * max(rises) else ""
 
     def _rates(self, span: _Span, last: int, met: Meeting | None) -> _Read:
@@ -770,7 +773,9 @@ def _motion(scene: Scene, block: BlockSpec, rows: Columns, carrier: BlockSpec | 
     if "base.vertical_acceleration_m_s2" in rows:
         pull[:, 1] -= rows["base.vertical_acceleration_m_s2"]
     if carrier is not None:
-        below, below_turn = planar(centres(rows, carrier.name)), turned(carrier)
+        below = planar(centres(rows, carrier.name))
+        if not rolls(carrier.shape, scene.dimension):
+            below_turn = turned(carrier)
     return _Motion(
         time=rows["time_s"],
         angle=leans.angle,
@@ -779,6 +784,7 @@ def _motion(scene: Scene, block: BlockSpec, rows: Columns, carrier: BlockSpec | 
         shape=leans.shape,
         aside=leans.aside,
         gaps=gaps_of(rows, name),
+        low=lowest_gap(rows, block, carrier),
         slip=np.stack([rows[f"{name}.slip{way}_m"] for way in ways], axis=1),
         normal=rows[f"{name}.normal_force_N"],
         pull=pull,

@@ -15,11 +15,13 @@ import numpy as np
 
 from geometry.block import Block
 from geometry.boxes import Boxes
-from solver.history.block_columns import STEEPEST_TOP
+from geometry.outline import limits_towards, rolls
+from geometry.top import top_of
+from solver.history.block_columns import has_lost_carrier
 from solver.history.history import History
-from solver.results.rocking import SMALLEST_SWING, overturned
+from solver.results.rocking import SMALLEST_SWING, no_return
 from solver.scene import BlockSpec, Scene
-from solver.types import Array, Mask
+from solver.types import Array, Indices, Mask
 
 #: The upright direction in space.
 UP = np.array([0.0, 0.0, 1.0])
@@ -34,6 +36,13 @@ CLEAR = 1e-6
 
 SMALLEST_LIFT = 2e-4
 """A block rocks when a corner is lifted by more than this part of its width, in a swing."""
+
+NEAR_BALANCE = 0.9
+"""A shape that is no box leans by less than this part of its slenderness without being near to any
+balance: feet of different heights stand on corners that are some thousandths off."""
+
+DIRECTIONS = 3600
+"""Horizontal directions in which such a shape leans in space, all the way round."""
 
 ACCELERATIONS = (
     ("base.acceleration_m_s2", "platform.acceleration_m_s2"),
@@ -50,6 +59,17 @@ class Columns(Protocol):
 
     def __getitem__(self, column: str) -> Array:
         """One column, over the rows."""
+
+
+class Tipping(NamedTuple):
+    """`geometry.outline.Limits` of a block in the direction in which it leans, (rows,) each, rad.
+
+    Where a shape that is no box leans so little that it is near to none, they are infinite.
+    """
+
+    next_face: Array
+    balance: Array
+    no_return: Array
 
 
 class Leaning(NamedTuple):
@@ -93,20 +113,21 @@ class BlockMotion:
     lift: Array
     """Gap of the bottom corner that is highest, m."""
     low: Array
-    """Gap of the bottom corner that is lowest, m."""
+    """Gap of its lowest corner, m."""
     shape: Block
     """The block as it stands in that plane."""
     fell: bool
     """True if it ends below what carried it."""
     aside: Array
     """Lean out of that plane, rad; 0 in 2-D."""
+    tipping: Tipping
+    """How far it leans without rolling on and without overturning, in the direction of its lean."""
 
     @property
-    def slenderness(self) -> float | Array:
-        """Slenderness alpha on the side to which it leans, rad: over the rows where uneven."""
-        if self.shape.is_even:
-            return self.shape.slenderness()
-        return of_side(self.shape.slenderness, np.where(self.lean < 0, self.lean, self.angle))
+    def overturned(self) -> bool:
+        """True if it ends beyond its balance, or has been where it does not come back from."""
+        lean = np.abs(self.lean)
+        return bool(lean[-1] > self.tipping.balance[-1] or np.any(lean > self.tipping.no_return))
 
 
 def of_side(number: Callable[[int], float], lean: Array) -> Array:
@@ -120,8 +141,8 @@ def block_motion(scene: Scene, history: History, block: BlockSpec) -> BlockMotio
     leans = leaning(history, block, carrier)
     second = ["", "_second"] if is_spatial(history, name) else [""]
     displacement = _stack(history, name, [f"slip{direction}_m" for direction in second])
-    corners = gaps_of(history, name)
-    flies = flights(history[f"{name}.normal_force_N"], corners, displacement, block.width)
+    corners, low = gaps_of(history, name), lowest_gap(history, block, carrier)
+    flies = flights(history[f"{name}.normal_force_N"], low, displacement, block.width)
     steps = np.diff(displacement, axis=0, prepend=displacement[:1])
     return BlockMotion(
         time=history["time_s"],
@@ -133,17 +154,19 @@ def block_motion(scene: Scene, history: History, block: BlockSpec) -> BlockMotio
         turn=_turn(history, block, carrier),
         friction=_stack(history, name, [f"friction_force{direction}_N" for direction in second]),
         lift=corners.max(axis=1),
-        low=corners.min(axis=1),
+        low=low,
         shape=leans.shape,
         fell=_fell(history, block, scene.carriers_of(block)),
         aside=leans.aside,
+        tipping=tipping(history, block),
     )
 
 
 def mode(block: Block, motion: BlockMotion, *, fell: bool = False) -> str:
-    """Mode of a block: "fell", "overturned", or all of "slide", "turn", "rock", "hop" that it did.
+    """Mode of a block: "fell", "overturned", or all of what it did otherwise.
 
-    These are joined by hyphens in that order, as in "slide-rock"; "rest" where it did none.
+    That is "slide", "turn", "rock" or "roll", and "hop", joined by hyphens in that order, as in
+    "slide-rock"; "rest" where it did none. A block that rolls to another face does not rock.
 
     Args:
         block: Its shape.
@@ -153,26 +176,31 @@ def mode(block: Block, motion: BlockMotion, *, fell: bool = False) -> str:
     if fell or motion.fell:
         return "fell"
     shape = motion.shape
-    if overturned(motion.lean, motion.slenderness):
+    if motion.overturned:
         return "overturned"
     swinging = np.abs(motion.angle) > SMALLEST_SWING * shape.slenderness()
     lifted = motion.lift > SMALLEST_LIFT * shape.width
     round_corners = np.abs(motion.turn) * math.hypot(block.width, block.thickness) / 2
+    rolls = np.abs(motion.lean) > motion.tipping.next_face
     found = {
         "slide": np.linalg.norm(motion.slip, axis=1) > SMALLEST_WAY * shape.width,
         "turn": round_corners > SMALLEST_WAY * block.width,
-        "rock": swinging & lifted,
+        "rock": swinging & lifted & (not rolls.any()),
+        "roll": rolls,
         "hop": motion.flies,
     }
     return "-".join(word for word, rows in found.items() if np.any(rows)) or "rest"
 
 
 def leaning(history: Columns, block: BlockSpec, carrier: BlockSpec | None = None) -> Leaning:
-    """Largest lean of a block: against its carrier, or from upright where none is given."""
+    """Largest lean of a block: against its carrier, or from upright where none is given.
+
+    What rolls turns below others, which do not lean by that.
+    """
     if is_spatial(history, block.name):
         return _leaning_in_space(history, block, carrier)
     angle = history[f"{block.name}.angle_rad"]
-    if carrier is not None:
+    if carrier is not None and not rolls(carrier.shape, 2):
         angle = angle - history[f"{carrier.name}.angle_rad"]
     return Leaning(angle, block.shape, np.array([1.0]), np.zeros_like(angle))
 
@@ -205,10 +233,17 @@ def gaps_of(history: Columns, name: str) -> Array:
 
 def lost_carrier(history: Columns, block: BlockSpec, carrier: BlockSpec) -> Mask:
     """In which rows a block has lost the one that carried it, by `has_lost_carrier`."""
-    below = boxes(history, carrier)
-    up = below.frames[:, :, -1]
-    height = np.sum((centres(history, block.name) - below.centres) * up, axis=1)
-    return np.asarray((up[:, -1] <= STEEPEST_TOP) | (height <= below.half[-1]))
+    up = top_axes(history, carrier)[:, :, -1]
+    shift = centres(history, block.name) - centres(history, carrier.name)
+    top = top_of(carrier.shape, up.shape[1]).level - carrier.shape.centre_height
+    return np.asarray(has_lost_carrier(up[:, -1], np.sum(shift * up, axis=1), top))
+
+
+def top_axes(history: Columns, carrier: BlockSpec) -> Array:
+    """Axes of the top of a block as columns, (rows, d, d): level ones of what rolls."""
+    frames = boxes(history, carrier).frames
+    d = frames.shape[1]
+    return np.broadcast_to(np.eye(d), frames.shape) if rolls(carrier.shape, d) else frames
 
 
 def total_lean(history: Columns, name: str) -> Array:
@@ -245,6 +280,74 @@ def slenderness(history: Columns, block: BlockSpec) -> Array:
     return np.arctan2(arm, shape.centre_height)
 
 
+def tipping(history: Columns, block: BlockSpec) -> Tipping:
+    """How far a block leans without rolling on and without overturning, over the rows."""
+    alpha, lean = slenderness(history, block), np.abs(total_lean(history, block.name))
+    if block.shape.solid is None:
+        return Tipping(np.full_like(alpha, math.inf), alpha, no_return(alpha))
+    found: Array = np.full((3, len(alpha)), math.inf)
+    rows = np.flatnonzero(lean > NEAR_BALANCE * alpha)
+    if not is_spatial(history, block.name):
+        ways = np.sign(history[f"{block.name}.angle_rad"][rows])
+        for way in (-1.0, 1.0):
+            own = rows[ways == way]
+            if len(own):
+                found[:, own] = np.array(limits_towards(block.shape, (way,)))[:, None]
+        return Tipping(*found)
+    # It leans away from the upright direction in its own frame.
+    towards = -boxes(history, block).frames[rows, 2, :2]
+    step = 2 * math.pi / DIRECTIONS
+    ways = np.round(np.arctan2(towards[:, 1], towards[:, 0]) / step) % DIRECTIONS
+    for way in np.unique(ways):
+        along = math.cos(way * step), math.sin(way * step)
+        found[:, rows[ways == way]] = np.array(limits_towards(block.shape, along))[:, None]
+    return Tipping(*found)
+
+
+def lowest_gap(history: Columns, block: BlockSpec, carrier: BlockSpec | None) -> Array:
+    """Gap between a block and the plane on which it stands, m, (rows,): of its lowest corner.
+
+    That is one of its bottom, unless it is no box and near to a balance, or beyond it.
+    """
+    gaps, shape = gaps_of(history, block.name), block.shape
+    low = gaps.min(axis=1)
+    if shape.solid is None:
+        return low
+    lean = np.abs(total_lean(history, block.name))
+    rows = np.flatnonzero(lean > NEAR_BALANCE * slenderness(history, block))
+    if not len(rows):
+        return low
+    d = len(boxes(history, block).half)
+    up: Array = np.broadcast_to(np.eye(d)[-1], (len(rows), d))
+    if carrier is not None:
+        lost = lost_carrier(history, block, carrier)[rows]
+        up = np.where(lost[:, None], up, top_axes(history, carrier)[rows, :, -1])
+    # Its bottom corners have gaps, which say how high the plane is.
+    bottom = np.array(shape.bottom_corners(d))
+    reach = -extents(history, block, rows, -up[:, None], bottom)[:, 0]
+    low[rows] += -extents(history, block, rows, -up[:, None])[:, 0] - reach
+    return low
+
+
+def extents(
+    history: Columns,
+    block: BlockSpec,
+    rows: Indices,
+    axes: Array,
+    corners: Array | None = None,
+) -> Array:
+    """How far a block reaches from the origin along unit vectors (rows, axes, d) in some rows, m.
+
+    By its corners, or by some of them, (n, d), m, in its own frame.
+    """
+    box, shape = boxes(history, block).at(rows), block.shape
+    d = len(box.half)
+    arms = np.array(shape.corners(d) if corners is None else corners) - shape.middle(d)
+    along = np.einsum("nad,nd->na", axes, box.centres)
+    own = axes @ box.frames
+    return along + np.array([(each @ arms.T).max(axis=1) for each in own])
+
+
 def lean_over_alpha(history: Columns, block: BlockSpec) -> Array:
     """|theta|/alpha of a block, over the rows: its lean over alpha in the direction of the lean."""
     return np.abs(total_lean(history, block.name)) / slenderness(history, block)
@@ -276,7 +379,7 @@ def rotated(rotations: Array, vectors: Array) -> Array:
     return along + np.cos(angle) * (vectors - along) + np.sin(angle) * across
 
 
-def flights(normal: Array, corners: Array, way: Array, width: float) -> Mask:
+def flights(normal: Array, clear: Array, way: Array, width: float) -> Mask:
     """Rows of flights in which a block clears its carrier, or moves, by `SMALLEST_WAY` or more.
 
     The row with which a flight ends is one of them: what it moved up to there, it flew. An elastic
@@ -284,11 +387,11 @@ def flights(normal: Array, corners: Array, way: Array, width: float) -> Mask:
 
     Args:
         normal: Force from the carrier, N, (rows,).
-        corners: Gaps of the bottom corners, m, (rows, corners).
+        clear: Gap of the lowest corner, m, (rows,).
         way: What the base moved along the carrier, m, (rows, 1 or 2).
         width: Of the block, m.
     """
-    found, clear = np.zeros(len(normal), dtype=bool), corners.min(axis=1)
+    found = np.zeros(len(normal), dtype=bool)
     off = np.r_[False, (normal <= 0) & (clear > CLEAR * width), False]
     for first, end in np.flatnonzero(np.diff(off)).reshape(-1, 2):
         moved = np.linalg.norm(way[min(end, len(way) - 1)] - way[max(first - 1, 0)])
@@ -303,9 +406,11 @@ def _turn(history: Columns, block: BlockSpec, carrier: BlockSpec | None) -> Arra
         return np.zeros(len(history["time_s"]))
     frames = boxes(history, block).frames
     if carrier is not None:
-        frames = np.swapaxes(boxes(history, carrier).frames, 1, 2) @ frames
+        frames = np.swapaxes(top_axes(history, carrier), 1, 2) @ frames
     sine, cosine = frames[:, 1, 0] - frames[:, 0, 1], frames[:, 0, 0] + frames[:, 1, 1]
-    return np.unwrap(np.arctan2(sine, cosine))
+    # Where it leans beyond 90 degrees, as what rolls does, that is no turn about the vertical.
+    known = np.where(frames[:, 2, 2] > 0, np.arange(len(frames)), 0)
+    return np.unwrap(np.arctan2(sine, cosine)[np.maximum.accumulate(known)])
 
 
 def _stack(history: Columns, name: str, columns: list[str]) -> Array:
@@ -334,7 +439,7 @@ def _leaning_in_space(history: Columns, block: BlockSpec, carrier: BlockSpec | N
     axes = rotated(rotations, UP)
     # The carrier's upright axis in the block's own frame gives the direction of the lean.
     below = np.broadcast_to(UP, axes.shape)
-    if carrier is not None:
+    if carrier is not None and not rolls(carrier.shape, 3):
         below = upright_axes(history, carrier.name)
         axes = rotated(-_rotations(history, carrier.name), axes)
     most = int(np.argmax(_angle_from_up(axes)))
@@ -372,6 +477,7 @@ def _fell(history: History, block: BlockSpec, carriers: Sequence[BlockSpec]) -> 
 
 def _is_below(history: History, centre: Array, carrier: BlockSpec) -> bool:
     """True if a place is below the top of a block at the end, or below its centre."""
-    below = boxes(history, carrier)
-    above, normal = centre - below.centres[-1], below.frames[-1, :, -1]
-    return bool(above @ normal < below.half[-1] or above[-1] < 0)
+    above = centre - centres(history, carrier.name)[-1]
+    normal = top_axes(history, carrier)[-1, :, -1]
+    top = top_of(carrier.shape, len(centre)).level - carrier.shape.centre_height
+    return bool(above @ normal < top or above[-1] < 0)

@@ -121,16 +121,6 @@ def _crossing(time: Array, angle: Array, i: int) -> float:
     return found if found <= step else straight
 
 
-def overturned(angle: Array, slenderness: float | Array) -> bool:
-    """True if a block fell over; of an uneven one the slenderness is that of each row.
-
-    It ends beyond its point of balance, |theta| > alpha, or has been where it has no more energy
-    than upright, |theta| > 2 alpha (at most 89 degrees: a block lies at 90).
-    """
-    alpha = np.broadcast_to(slenderness, angle.shape)
-    return bool(abs(angle[-1]) > alpha[-1] or np.any(np.abs(angle) > no_return(alpha)))
-
-
 def no_return(slenderness: Any) -> Any:
     """The angle beyond which a block does not come back, rad: 2 alpha, at most 89 degrees.
 

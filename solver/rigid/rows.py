@@ -57,14 +57,18 @@ class BlockRows:
         self,
         bottoms: Array,
         tops: Array,
+        holds: Array,
+        rolls: Sequence[bool],
         carriers: Sequence[int],
         feet: Mapping[int, Sequence[Foot]] | None = None,
     ):
         """Keep corners of bottoms and levels of tops about centres of mass, what carries, and feet.
 
-        Corners of the blocks are (n, 2^(d-1), d), m, levels (n,), m; carriers are numbers; feet are
-        those of some blocks, by the numbers of these.
+        Corners of the blocks are (n, 2^(d-1), d), m; levels of their highest corners and of the
+        lowest ones of their tops, which `holds` others, (n,), m; `rolls` where a top is always
+        level; carriers are numbers; feet are those of some blocks, by the numbers of these.
         """
+        self._holds, self._rolls = holds, rolls
         self._feet = feet or {}
         self._d, self._bottoms, self._tops = bottoms.shape[2], bottoms, tops
         self._carriers, self._at = carriers, positions("block", self._d)
@@ -119,12 +123,15 @@ class BlockRows:
             below = mean = np.broadcast_to(level, (len(own), d, d))
             shift = over_ground
         else:
-            frame, height = frames[1:, carrier], self._tops[carrier]
+            below, mean = frames[1:, carrier], (frames[:-1, carrier] + frames[1:, carrier]) / 2
+            if self._rolls[carrier]:  # on what is uppermost
+                below = mean = np.broadcast_to(level, below.shape)
+            height = self._tops[carrier]
             shift = centre - steps.centre[1:, carrier]
-            above = np.einsum("si,si->s", frame[:, :, -1], shift)
-            lost = has_lost_carrier(frame[:, -1, -1], above, height)
-            below = np.where(lost[:, None, None], level, frame)
-            mean = np.where(lost[:, None, None], level, (frames[:-1, carrier] + frame) / 2)
+            above = np.einsum("si,si->s", below[:, :, -1], shift)
+            lost = has_lost_carrier(below[:, -1, -1], above, self._holds[carrier])
+            below = np.where(lost[:, None, None], level, below)
+            mean = np.where(lost[:, None, None], level, mean)
             shift = np.where(lost[:, None], over_ground, shift)
             half = np.where(lost, 0.0, height)
         arms = np.einsum("sij,kj->ski", frames[1:, b], self._bottoms[b])

@@ -14,6 +14,8 @@ import numpy as np
 
 from geometry.arrangement import Pose, level
 from geometry.block import FACES, Block
+from geometry.outline import rolls
+from geometry.top import top_of
 from solver.history.columns import check_filled, columns, positions, row_layout
 from solver.history.events import Event, Meeting
 from solver.kernels.world import Body, Mobility, Steps, World
@@ -200,9 +202,11 @@ class RigidSystem:
         self._tells_pairs = tells_pairs
         bottoms = np.array([_bottom_of(block) for block in blocks])
         tops = np.array([b.shape.height - b.shape.centre_height for b in blocks])
-        self._written = BlockRows(
-            bottoms, tops, [each[0] for each in carriers], _feet_of(blocks, self.columns)
-        )
+        holds = np.array([top_of(b.shape, d).level - b.shape.centre_height for b in blocks])
+        level_tops = [rolls(block.shape, d) for block in blocks]
+        standing = [each[0] for each in carriers]
+        feet = _feet_of(blocks, self.columns)
+        self._written = BlockRows(bottoms, tops, holds, level_tops, standing, feet)
         self._before = self._world.now()
         frames = rotation_matrices(self._before.rotation)
         self._lean = self._written.lean(self._before, frames, np.zeros(len(blocks)))[0]
@@ -360,7 +364,9 @@ class RigidSystem:
         d, short, saved = self.dimension, TRIAL * dt, self.saved()
         motion = np.tile(np.zeros(d) if ground is None else np.array(ground, float), (2, 1))
         trial = self.advance(1, short, motion, short / 1024)
+        forces = self._before.links[..., d : 2 * d].copy()
         self.restore(saved)
+        self._before.links[..., d : 2 * d] = forces
         self.first_pairs = trial.pairs
         rows: Array = np.full((1, len(self.columns)), np.nan)
         self._fill(rows, self._before.followed_by(self._before), dt, motion)
@@ -371,6 +377,11 @@ class RigidSystem:
             row[taken] = trial.rows[0, taken]
             row[self._run.contact_points_closed] = trial.rows[0, self._run.contact_points_closed]
         return row
+
+    @property
+    def link_numbers(self) -> Array:
+        """Numbers of all links at the moment, (links, 3 d + 3), for `LinkStates.split`."""
+        return self._before.links[0]
 
     @property
     def drift(self) -> Array:

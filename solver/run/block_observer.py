@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 
 from geometry.foundation import level_frame
+from geometry.outline import rolls
+from geometry.top import top_of
 from solver.bodies.kinematics import RigidMotion
 from solver.build.assembly import BlockBody
 from solver.contact.body_points import Key, NitschePoints, SurfaceState
@@ -197,8 +199,9 @@ class BlockObserver:
         own = state.rigid_motion(system, self._member.number)
         below, carrier = state.rigid_motion(system, self._carrier.number), self._carrier.spec
         centre = self._member.body.centre + own.moved
-        shift, up = centre - self._carrier.body.centre - below.moved, below.rotation[:, -1]
-        top = carrier.height - carrier.shape.centre_height
+        shift = centre - self._carrier.body.centre - below.moved
+        up = np.eye(len(shift))[-1] if rolls(carrier.shape, len(shift)) else below.rotation[:, -1]
+        top = top_of(carrier.shape, len(centre)).level - carrier.shape.centre_height
         return has_lost_carrier(up[-1], float(shift @ up), top)
 
     def _penetration(self, state: State, number: int) -> float:

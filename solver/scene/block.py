@@ -322,10 +322,10 @@ class BlockSpec(Checked):
 
     def _ends(self, dimension: Dimension) -> tuple[Sequence[float], Sequence[float]]:
         """Lowest and highest corner of the box around it, without its feet, in its own frame, m."""
-        if self.shape_of is None:
+        if self.given_shape is None:
             *across, height = self._sizes(dimension)
             return [*(-side / 2 for side in across), 0.0], [*(side / 2 for side in across), height]
-        solid = solid_of(self.shape_of, self._shape_sizes, dimension)
+        solid = solid_of(self.given_shape, self._shape_sizes, dimension)
         return list(map(float, solid.low)), list(map(float, solid.high))
 
     def _linear_density(self, centre: tuple[float, ...]) -> LinearDensity:

@@ -7,10 +7,13 @@ import re
 from solver.errors import SceneError
 from solver.scene.checking import shown
 
-# Names that mean something else in key paths or in the columns of a history.
+LINKS = "links"
+"""All links together, in the files of the fields."""
+
+# Names that mean something else in key paths, in the columns of a history, or in files of fields.
 RESERVED = (
     *("foundation", "contact", "pair", "damping", "motion", "time", "output"),
-    *("base", "platform", "plate", "frame", "energy"),
+    *("base", "platform", "plate", "frame", "energy", LINKS),
 )
 
 

@@ -224,6 +224,16 @@ def link_ends(link: LinkSpec, placed: Mapping[str, Pose]) -> tuple[Array, Array]
     return first, here[link.between[1]](np.array([link.to]))[0]
 
 
+def own_ends(link: LinkSpec, placed: Mapping[str, Pose]) -> tuple[Array, Array]:
+    """The ends of a link in the own frames of its bodies, (d,), m; `placed` as in `link_ends`."""
+    here = {GROUND: level(np.zeros(len(link.at)))} | dict(placed)
+    first, second = (
+        here[name].rotation.T @ (end - here[name].place) + here[name].about
+        for name, end in zip(link.between, link_ends(link, placed), strict=True)
+    )
+    return first, second
+
+
 def second_is_above(link: LinkSpec, placed: Mapping[str, Pose]) -> bool:
     """True if its second body is not lower than the first at the start, by their bottoms."""
     first, second = (

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import stat
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -176,18 +177,48 @@ fields = "none"
 
 
 def test_links_are_drawn_where_their_ends_are_until_they_break(tmp_path: Path) -> None:
-    from solver.pictures.contact import link_frames
+    from solver.pictures.links import links_of
 
     scene = parse_scene(LINKED.format(strength="100.0"))
     simulate(scene, folder=tmp_path)
     run = read_run(tmp_path)
     times = run.history["time_s"][::10]
-    ends, states = link_frames(run, scene.links[0], np.zeros((len(times), 2)), times)
+    (link,) = links_of(run, times)
+    ends, states = link.ends, link.states
     longer = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) - np.hypot(0.45, 1.0)
     whole = states < 3.0
     assert longer[whole] == pytest.approx(run.history["wire.extension_m"][::10][whole], abs=1e-12)
     assert ends[0] == pytest.approx(np.array([[0.15, 1.0], [0.6, 0.0]]))
-    assert states[-1] == 3.0 and 1.0 in states
+    assert states[-1] == 3 and 1 in states
+    # A fifth of it is left at each end, or as much as there is room for.
+    last = len(times) - 1
+    for longest, left in ((9.0, 0.2 * np.linalg.norm(ends[-1, 1] - ends[-1, 0])), (0.1, 0.1)):
+        lines = link.lines(last, longest)
+        assert [line[0] for line in lines] == [pytest.approx(end) for end in ends[-1]]
+        assert [np.linalg.norm(line[1] - line[0]) for line in lines] == pytest.approx([left] * 2)
+    assert len(link.lines(0, 0.1)) == 1
+
+
+def test_arrows_have_one_scale_for_all_blocks(tmp_path: Path) -> None:
+    """A light low block on a heavy tall one: at rest arrows of 0.3 of the tall one's height."""
+    from solver.pictures.film import Shot
+
+    common = "model = 'rigid'\nthickness = 1.0\n"
+    scene = parse_scene(
+        f"[[block]]\nname = 'low'\n{common}width = 1.0\nheight = 2.0\nmass = 800.0\n"
+        f"[[block]]\nname = 'up'\non = 'low'\n{common}width = 0.2\nheight = 0.1\nmass = 200.0\n"
+        "[time]\nend = 0.1\nstep = 1e-3\n[output]\nfields = 'none'\n"
+    )
+    simulate(scene, folder=tmp_path)
+    drawn: list[float] = []
+
+    class Measure:
+        def draw(self, _: object, arrows: list[tuple[Any, str]], __: object) -> np.ndarray:
+            drawn.extend(arrow.bounds[3] - arrow.bounds[2] for arrow, _ in arrows)
+            return np.zeros((1, 1, 3), np.uint8)
+
+    Shot(read_run(tmp_path), np.array([0.04, 0.05]), fixed=False).draw(Measure(), 1)
+    assert drawn == pytest.approx([0.6, 0.12], rel=1e-3)
 
 
 def test_the_film_of_a_linked_block_shows_its_link(tmp_path: Path) -> None:
@@ -200,3 +231,24 @@ def test_the_film_of_a_linked_block_shows_its_link(tmp_path: Path) -> None:
         pictures.append(frames(folder / "film.gif")[-1])
     held, lost = (np.count_nonzero(picture.max(axis=2) < 60) for picture in pictures)
     assert held > lost + 200
+
+
+def test_stills_show_links_whole_and_broken(tmp_path: Path) -> None:
+    """A wire is a line of the colour of its state, broken ones are drawn at their ends alone."""
+    from matplotlib.colors import to_rgb
+    from PIL import Image
+
+    from solver.pictures.links import LOOKS
+
+    counts = {}
+    for strength in ("1e5", "1e-3"):
+        folder = tmp_path / strength
+        text = LINKED.format(strength=strength).replace('fields = "none"', "every = 0.3")
+        simulate(parse_scene(text), folder=folder)
+        assert main(["plot", str(folder)]) == 0
+        drawn = np.asarray(Image.open(folder / "deformed.png").convert("RGB")).astype(int)
+        red = 255 * np.array(to_rgb(LOOKS[3][1]))
+        counts[strength] = np.count_nonzero(np.abs(drawn - red).max(axis=2) < 20)
+        forces = np.asarray(Image.open(folder / "forces.png").convert("RGB")).astype(int)
+        assert forces.shape[0] > 800  # three panels
+    assert counts["1e5"] == 0 and counts["1e-3"] > 200
