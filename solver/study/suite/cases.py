@@ -20,7 +20,6 @@ from mpi4py import MPI
 
 from solver.errors import SceneError, missing_key
 from solver.excitation.motion import GroundMotion, read_ground
-from solver.excitation.sampled import SampledMotion
 from solver.reference.answer import as_history, reference_history, reference_name, rock
 from solver.results.cautions import cautions_of_input
 from solver.results.endings import motion_end
@@ -165,23 +164,13 @@ def scene_of(case: SuiteCase) -> tuple[Scene, GroundMotion]:
         scene = replace(scene, motion=scene.motion.times(factor), time=stops)
         ground = read_ground(scene)
     step = scene.time.step
-    if ground.along is None:  # no motion of a suite is one of these
-        raise SceneError("motion", "nothing that moves", "a motion along x")
     # Whole steps: a last, shorter one would need factorizations of its own.
     end = math.ceil((motion_end(ground) + case.tail) / step * (1 - 1e-9)) * step
     return replace(scene, time=replace(scene.time, end=end)), ground
 
 
 def equation(scene: Scene, ground: GroundMotion) -> dict[str, Any]:
-    """The summary of a case by Housner's equation, which has no slip.
-
-    Raises:
-        SceneError: The ground does not move along x alone, by samples.
-    """
-    along = ground.along
-    if not isinstance(along, SampledMotion) or any(ground.parts[1:]):
-        got = "more directions" if isinstance(along, SampledMotion) else "no samples"
-        raise SceneError("motion", got, "samples along x alone for Housner's equation (ode)")
+    """The summary of a case by Housner's equation, which has no slip."""
     began, p = time.perf_counter(), scene.blocks[0].shape.frequency(scene.gravity)
     known = rock(scene, ground, step=STEP / p, longest=LONGEST / p, tolerance=TOLERANCE)
     history, _ = as_history(scene, known)
