@@ -240,9 +240,10 @@ def _quarter_period(scene: Scene, block: BlockSpec) -> float:
     """
     side = 0 if not block.tilt else 1 if block.tilt > 0 else -1
     p = block.shape.frequency(scene.gravity, side)
-    share = abs(block.tilt) / block.shape.slenderness(side)
-    if p <= 0:
+    alpha = block.shape.slenderness(side)
+    if p <= 0 or alpha <= 0:  # it stands on a tip
         return math.inf
+    share = abs(block.tilt) / alpha
     return math.acosh(1 / (1 - share)) / p if 0 < share < 1 else 1 / p
 
 

@@ -142,7 +142,7 @@ def _outline(block: BlockSpec, shape: Block) -> Lines:
         text = f"{len(surface.triangles)} triangles; contacts see its {how}, "
         text += f"{percent(abs(more))} % {'larger' if more >= 0 else 'smaller'}"
         if solid.coarse:
-            text += f", its fine parts within {1e3 * solid.coarse:.3g} mm"
+            text += f", without corners of less than {1e3 * solid.coarse:.3g} mm"
         lines.append(("  surface", text))
     return lines
 

@@ -174,6 +174,17 @@ def test_check_tells_of_shapes() -> None:
     assert "shape.union" not in vase["caution"]
 
 
+def test_check_tells_by_how_much_a_fine_hull_is_off(tmp_path: Path) -> None:
+    """1e-4 of 2 m, of a ball of more than 5000 points."""
+    from pyvista import Sphere
+
+    Sphere(radius=1.0, theta_resolution=120, phi_resolution=60).save(tmp_path / "ball.stl")
+    text = text_of("file").replace(str(MUSEUM / "statue.stl"), str(tmp_path / "ball.stl"))
+    told = next(line for line in describe(parse_scene(text)).splitlines() if "triangles" in line)
+    said = r"its convex hull, 0\.0\d+ % smaller, without corners of less than 0\.2 mm$"
+    assert re.search(said, told) is not None
+
+
 def test_parts_of_a_file_are_those_that_are_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
     """A scene means the same whether or not CoACD is installed."""
     cut = text_of("file").replace(".stl'", ".stl', contact = 'coacd'")
