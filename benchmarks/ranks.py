@@ -64,6 +64,28 @@ SCENES: dict[str, dict[str, Any]] = {
     "rollers": {"foundation": PLATE | ON_ROLLERS},
     "frame": {"foundation": FRAME},
     "reduced frame": {"foundation": FRAME | {"modes": "auto"}},
+    "linked": {
+        "block": [BLOCK, TOP | {"friction": 0.05}],
+        "foundation": FRAME,
+        "link": [
+            {
+                "name": "bar",
+                "between": ["top", "foundation"],
+                "at": [0.35, 0.1],
+                "to": [1.13, 0.0],
+                "stiffness": 1e6,
+            },
+            {
+                "name": "dab",
+                "kind": "wax",
+                "between": ["block", "top"],
+                "at": [0.0, 0.5],
+                "stiffness": 1e7,
+                "strength": 100.0,
+            },
+        ],
+        "force": [{"on": "block", "face": "left", "pressure": 2000.0, "ramp": [0.0, 0.1]}],
+    },
     "elastic on elastic": {"block": [BLOCK, TOP | {"friction": 0.05}]},
     "rigid on elastic": {"block": [BLOCK, TOP | {"friction": 0.05, "model": "rigid"}]},
     "rigid on rigid": {

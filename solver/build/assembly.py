@@ -9,11 +9,13 @@ from itertools import combinations
 from mpi4py import MPI
 
 import numpy as np
+from dolfinx import mesh
 
 from geometry.arrangement import Pose
 from geometry.mesh import move
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.rigid_body import RigidBox, rigid_box
+from solver.build.attached import AttachedBlock, attached_of
 from solver.build.foundation import FoundationBody, foundation
 from solver.build.meshed_body import mesh_of_block, meshed_body, relative_density
 from solver.contact.pairs import FacePair, FloorSurface
@@ -39,6 +41,7 @@ class BlockBody:
         number: Of the body in the system.
         stand: From the body's reference configuration to where it begins.
         surface: Its surface.
+        facet_tags: Of its mesh; None: it is rigid.
         carriers: Numbers of the bodies that carry it.
     """
 
@@ -47,6 +50,7 @@ class BlockBody:
     number: int
     stand: Pose
     surface: BlockSurface
+    facet_tags: mesh.MeshTags | None = None
     carriers: tuple[int, ...] = ()
 
 
@@ -92,14 +96,20 @@ def build(
     names = {member.spec.name: member.number for member in members}
     for member in members:
         member.carriers = tuple(names[name] for name in member.spec.carriers if name in names)
+    system = System(bodies)
+    blocks = [
+        AttachedBlock(m.spec, m.body, m.number, placed[m.spec.name][0], m.facet_tags)
+        for m in members
+    ]
     stepper = Stepper(
-        System(bodies),
+        system,
         pairs,
         GeneralizedAlpha(scene.time.rho_inf, scene.time.damped_steps * scene.time.step),
         gravity=np.array(scene.gravity_vector),
         ground=ground if ground.moves else None,
         velocity_solve=scene.contact.velocity_solve,
         petsc_options=petsc_options,
+        attached=attached_of(scene, blocks, support, system),
     )
     return Assembly(stepper, members, support, floor)
 
@@ -127,7 +137,7 @@ def _member(scene: Scene, number: int, placed: tuple[Pose, Pose], comm: MPI.Intr
         density=relative_density(spec, made.mesh, upright(np.zeros((1, scene.dimension)))[0]),
     )
     surface = BlockSurface(body, number, corners, scene.contact, made.facet_tags, shape=spec.shape)
-    return BlockBody(spec, body, number, stand, surface)
+    return BlockBody(spec, body, number, stand, surface, made.facet_tags)
 
 
 def _standing(
@@ -186,11 +196,15 @@ def initial_state(scene: Scene, assembly: Assembly) -> tuple[State, str]:
     closed = all(block.tilt == 0.0 and block.position is None for block in scene.blocks)
     meshed = bool(stepper.system.meshed)
     if scene.time.initial == "static" and closed and meshed and scene.gravity > 0:
-        for glued in (False, True):
+        # Forces that act from the start on are in it where they let blocks stand.
+        pushes = [(False, True)] if scene.forces else []
+        for glued, pushed in (*pushes, (False, False), (True, False)):
             try:
-                state = stepper.static_start(u, glued=glued)
+                state = stepper.static_start(u, glued=glued, pushed=pushed)
                 return stepper.launch(state, v) if v.any() else state, remark
             except StepFailed as trouble:
+                if pushed:
+                    continue
                 remark = f"no equilibrium at the start ({trouble}): it begins without stress"
                 if not glued:
                     remark = "friction does not hold the blocks at the start: they are let go there"

@@ -60,6 +60,21 @@ struct LinkLaw {
         const double mean = sum / (high - low);
         return {mean, bent ? (force(to) - mean) / (to - from) : 0.5 * slope(0.5 * (from + to))};
     }
+
+    /// Impulse of a step of dt between two elastic extensions (M61), and its derivative over the second.
+    std::array<double, 2> impulse(double from, double to, double dt) const {
+        const auto [mean, slope] = mean_force(from, to);
+        const double damped = damping * (beyond(to) - beyond(from));
+        const double total = -dt * mean - damped;
+        if (!compression && total > 0) return {0, 0};  // it cannot push
+        return {total, -(dt * slope + (beyond(to) != 0 ? damping : 0))};
+    }
+
+    /// By how much the plastic part changes at an elastic extension, m.
+    double flow(double elastic) const {
+        const double rho = beyond(elastic), over = std::fabs(rho) - yield / stiffness;
+        return over > 0 ? std::copysign(over, rho) : 0;
+    }
 };
 
 /// A link and its state.
@@ -103,10 +118,7 @@ template <int d> struct Link {
     double take(const Vec<d>& extensions, double work) {
         const double before = energy();
         extension = extensions;
-        for (int i = 0; i < directions(); i++) {
-            const double over = std::fabs(laws[i].beyond(extension[i] - plastic[i])) - laws[i].yield / laws[i].stiffness;
-            if (over > 0) plastic[i] += std::copysign(over, laws[i].beyond(extension[i] - plastic[i]));
-        }
+        for (int i = 0; i < directions(); i++) plastic[i] += laws[i].flow(extension[i] - plastic[i]);
         return before - work - energy();
     }
 
@@ -134,14 +146,9 @@ template <int d> struct LinkStep {
 
     /// Impulse at a rate of extension y (sum of both ends of the step, m/s), and its derivative.
     std::array<double, 2> impulse(int direction, double rate) const {
-        const LinkLaw& law = link->laws[direction];
-        const double from = link->extension[direction] - link->plastic[direction], to = from + way(rate);
-        const auto [mean, slope] = law.mean_force(from, to);
-        const double damped = law.damping * (law.beyond(to) - law.beyond(from));
-        const double total = -dt * mean - damped;
-        if (!law.compression && total > 0) return {0, 0};  // it cannot push
-        const bool taut = law.beyond(to) != 0;
-        return {total, -0.5 * dt * (dt * slope + (taut ? law.damping : 0))};
+        const double from = link->extension[direction] - link->plastic[direction];
+        const auto [impulse, slope] = link->laws[direction].impulse(from, from + way(rate), dt);
+        return {impulse, 0.5 * dt * slope};
     }
 
     /// The impulse with P = f((P - trial)/r), and its derivative over the trial.

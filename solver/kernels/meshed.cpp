@@ -7,7 +7,7 @@ namespace {
 /// All functions, with the end that Python looks for.
 PyMethodDef* table() {
     static std::vector<PyMethodDef> all;
-    for (const auto& part : {facet_functions(), law_functions(), motion_functions(), point_functions(), surface_functions()})
+    for (const auto& part : {facet_functions(), law_functions(), link_functions(), motion_functions(), point_functions(), surface_functions()})
         all.insert(all.end(), part.begin(), part.end());
     all.push_back({nullptr, nullptr, 0, nullptr});
     return all.data();

@@ -951,3 +951,19 @@ def solve_points(
     W: Array, q: Array, mu: Array, cohesion: Array, slope: float, f: Array, counts: Indices
 ) -> bool:
     """As `solve`, with W (m, d, m, d), q and f (m, d)."""
+
+# ---- Links, direction by direction
+#
+# Rows of `laws` are stiffness (N/m), damping (N s/m), gap (m), 1 where shortening is resisted, and
+# the force at which it flows (N), (n, 5); extensions, (n,), m, are without the plastic part.
+
+def link_forces(
+    laws: Array, start: Array, end: Array, step: float, force: Array, slope: Array
+) -> None:
+    """Fill in mean forces over a step between extensions, N, and their derivatives over the end.
+
+    The dashpots' are in them. Where the step (s) is infinite they are those at the end.
+    """
+
+def link_springs(laws: Array, elastic: Array, force: Array, energy: Array, flow: Array) -> None:
+    """Fill in forces (N) and energies (J) of springs, and by how much they flow there, m."""

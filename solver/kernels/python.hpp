@@ -133,6 +133,7 @@ template <auto function> PyMethodDef entry(const char* name) {
 // The functions of each file that ends in _functions.cpp.
 std::vector<PyMethodDef> facet_functions();
 std::vector<PyMethodDef> law_functions();
+std::vector<PyMethodDef> link_functions();
 std::vector<PyMethodDef> motion_functions();
 std::vector<PyMethodDef> point_functions();
 std::vector<PyMethodDef> surface_functions();

@@ -197,8 +197,8 @@ def _undersampled_motion(scene: Scene) -> list[str]:
 
 
 def _undersampled_links(scene: Scene) -> list[str]:
-    """The stiffest link, where steps are too long to follow what swings on it."""
-    if not scene.links:
+    """The stiffest link, where given steps are too long to follow what swings on it."""
+    if not scene.links or scene.time.adaptive:
         return []
     link = min(scene.links, key=scene.link_period)
     period, step = scene.link_period(link), scene.time.step

@@ -1,4 +1,4 @@
-"""Forces on rigid blocks: where they act, and what they are at which time."""
+"""Forces on blocks: where they act, and what they are at which time."""
 
 from __future__ import annotations
 
@@ -21,17 +21,19 @@ def arm_of(spec: ForceSpec, pose: Pose, shape: Block, centre: Array) -> Array:
         shape: The block.
         centre: Where its centre is then, m.
     """
-    d = len(centre)
+    own = place_of(spec, shape, len(centre))
+    return np.asarray(pose.rotation.T @ (pose(own[None])[0] - centre))
+
+
+def place_of(spec: ForceSpec, shape: Block, d: int) -> Array:
+    """Place at which a force acts, in the block's own frame, (d,), m."""
     if spec.pressure is not None:
         low, high = _box(shape, d)
         own: Array = (low + high) / 2
         axis, sense = _normal(spec, d)
         own[axis] = low[axis] if sense > 0 else high[axis]
-    elif spec.at is not None:
-        own = np.array(spec.at)
-    else:
-        return np.zeros(d)
-    return np.asarray(pose.rotation.T @ (pose(own[None])[0] - centre))
+        return own
+    return np.array(shape.centre_of_mass(d) if spec.at is None else spec.at)
 
 
 def whole_force(spec: ForceSpec, pose: Pose, shape: Block) -> Array:
@@ -62,7 +64,25 @@ def factors(specs: Sequence[ForceSpec], times: Array) -> Array:
     """The factors on forces at times (s), (times, forces)."""
     found = np.ones((len(times), len(specs)))
     for number, spec in enumerate(specs):
-        rows = spec.table or (((spec.ramp[0], 0.0), (spec.ramp[1], 1.0)) if spec.ramp else ())
+        rows = _course(spec)
         if rows:
             found[:, number] = np.interp(times, *np.transpose(rows))
     return found
+
+
+def _course(spec: ForceSpec) -> Sequence[tuple[float, float]]:
+    """Times, s, and factors at them, linear between; none of a force that is constant."""
+    return spec.table or (((spec.ramp[0], 0.0), (spec.ramp[1], 1.0)) if spec.ramp else ())
+
+
+def mean_factor(spec: ForceSpec, time: float, step: float) -> float:
+    """The mean factor on a force over a step from a time, s; at the time where the step is 0."""
+    rows = _course(spec)
+    if not rows:
+        return 1.0
+    known, values = np.transpose(rows)
+    if not step:
+        return float(np.interp(time, known, values))
+    inside = known[(known > time) & (known < time + step)]
+    times = np.concatenate([[time], inside, [time + step]])
+    return float(np.trapezoid(np.interp(times, known, values), times) / step)

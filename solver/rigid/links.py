@@ -1,4 +1,4 @@
-"""Links of rigid bodies: as the compiled world has them, their columns, and their events."""
+"""Links: their laws, as the compiled world of rigid bodies has them, columns, and events."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from geometry.arrangement import Pose
 from solver.history.events import Event
-from solver.kernels.world import Link, LinkLaw, LinkStates, Steps
+from solver.kernels.world import Link, LinkLaw, LinkStates
 from solver.scene.link import LinkSpec
 from solver.scene.places import link_ends, second_is_above
 from solver.types import Array
@@ -42,8 +42,8 @@ def link_of(
     axes, length = None, np.asarray(spec.length or float(np.linalg.norm(between)))
     if not spec.is_axial:
         axes = placed[spec.between[0]].rotation.copy()
-        axes[-1] *= _sense(spec, placed)
-        length = between * np.array([*[1.0] * (len(between) - 1), _sense(spec, placed)])
+        axes[-1] *= sense_of(spec, placed)
+        length = between * np.array([*[1.0] * (len(between) - 1), sense_of(spec, placed)])
     first, second = (numbers[name] for name in spec.between)
     return Link(
         first=first,
@@ -51,17 +51,17 @@ def link_of(
         ends=(arms[0], arms[1]),
         axes=axes,
         length=length,
-        laws=_laws_of(spec, len(between)),
+        laws=laws_of(spec, len(between)),
         strength=math.inf if spec.strength is None else spec.strength,
     )
 
 
-def _sense(spec: LinkSpec, placed: Mapping[str, Pose]) -> float:
+def sense_of(spec: LinkSpec, placed: Mapping[str, Pose]) -> float:
     """Factor on the vertical axis that makes extensions positive where the two bodies part."""
     return 1.0 if second_is_above(spec, placed) else -1.0
 
 
-def _laws_of(spec: LinkSpec, d: int) -> list[LinkLaw]:
+def laws_of(spec: LinkSpec, d: int) -> list[LinkLaw]:
     """The law along the link, or those along its axes, the vertical one last."""
     bound = math.inf if spec.yields is None else spec.yields
     gap = spec.gap or 0.0
@@ -89,7 +89,7 @@ class LinkRows:
     def __init__(self, specs: Sequence[LinkSpec], columns: Sequence[str], d: int):
         """Find their columns in rows of a history in d dimensions."""
         self._specs, self._d = specs, d
-        self._laws = [_laws_of(spec, d) for spec in specs]
+        self._laws = [laws_of(spec, d) for spec in specs]
         place = {name: number for number, name in enumerate(columns)}
         shear = ("shear_force_N", "shear_force_second_N")[: d - 1]
         self._at = [
@@ -123,14 +123,14 @@ class LinkRows:
         found = np.where(np.any(states.plastic[:, number] != 0, axis=1), FLOWED, found)
         return np.where(states.broken[:, number], BROKEN, found)
 
-    def events(self, steps: Steps, times: Array) -> Iterator[Event]:
+    def events(self, numbers: Array, times: Array) -> Iterator[Event]:
         """Links that break or flow for the first time after the first step, whose ends have times.
 
         Args:
-            steps: Steps that were taken, and the one before them.
+            numbers: Of all links at the ends of steps that were taken, and of the one before them.
             times: At the ends of all but that, s.
         """
-        states = LinkStates.split(self._d, steps.links)
+        states = LinkStates.split(self._d, numbers)
         flowed = np.any(states.plastic != 0, axis=2)
         for number, spec in enumerate(self._specs):
             about: dict[str, Any] = {

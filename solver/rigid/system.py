@@ -321,7 +321,7 @@ class RigidSystem:
             taken = before.followed_by(steps)
             self._fill(rows, taken, dt, motion[: done + 1])
             rows[:, self._run.time_s] = times[1 : done + 1]
-            happened = tuple(self._links.events(taken, times[1 : done + 1]))
+            happened = tuple(self._links.events(taken.links, times[1 : done + 1]))
             check_filled(self.columns, rows)
             self._before = steps.last()
         self.time += dt * done

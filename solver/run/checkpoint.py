@@ -27,7 +27,7 @@ from solver.scene import Scene
 from solver.scene.output import CheckpointSpec
 from solver.scene.reader import differing
 
-FORMAT = 20
+FORMAT = 21
 """Version of the layout of the file."""
 
 NAME = "checkpoint.npz"
@@ -49,6 +49,7 @@ TYPES = {
     ),
     "solver.scheme.generalized_alpha": ("TangentWeights",),
     "solver.scheme.step_control": ("Ladder",),
+    "solver.stepping.body_links": ("LinkMemory",),
     "solver.stepping.delassus": ("Delassus",),
     "solver.stepping.local_error": ("Past",),
     "solver.stepping.response": ("CandidateSet", "DenseConfiguration", "ElasticCoupling"),

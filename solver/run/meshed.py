@@ -61,7 +61,8 @@ class MeshedRun:
         self._stepper = self.assembly.stepper
         self.state, remark = initial_state(scene, self.assembly)
         self.remarks: Sequence[str] = [remark] if remark else []
-        self._observer = Observer(self.assembly, self.state, scene_columns(scene))
+        names = scene_columns(scene)
+        self._observer = Observer(self.assembly, self.state, names, scene.links)
         self._pairs: PairObserver | None = None
         if len(scene.blocks) > 1 or scene.output.pairs or scene.blocks[0].position is not None:
             self._pairs = PairObserver(scene, self.assembly)
@@ -225,12 +226,13 @@ class MeshedRun:
             met = self._pairs.step(self.state, new, exchange)
             if self._table is not None:
                 self._pair_rows = self._pairs.rows(new, exchange, dt)
+        happened = self._observer.link_events(self.state, new)
         self.state = new
         self._steps += 1
         self._iterations += exchange.iterations
         self._coarse += is_coarse
         self._row = self._observer.row(new, exchange, dt)
-        context.recorder.add(self._row[None], met)
+        context.recorder.add(self._row[None], met, happened)
         found = context.watch.look(self._row[None])
         if self._steps % self._scene.output.history_every == 0:
             self._last_row(context)

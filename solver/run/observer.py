@@ -20,9 +20,12 @@ from solver.history.columns import (
     positions,
     row_layout,
 )
+from solver.history.events import Event
 from solver.parallel import global_sum
+from solver.rigid.links import LinkRows
 from solver.run.block_observer import BlockObserver
 from solver.run.structure_observer import StructureObserver, write_base_shear
+from solver.scene.link import LinkSpec
 from solver.stepping.state import Exchange, State
 from solver.types import Array
 
@@ -42,7 +45,13 @@ class Observer:
     Slip and the dissipated energies are carried on from step to step, so every step has to be seen.
     """
 
-    def __init__(self, assembly: Assembly, state: State, names: Sequence[str]):
+    def __init__(
+        self,
+        assembly: Assembly,
+        state: State,
+        names: Sequence[str],
+        links: Sequence[LinkSpec] = (),
+    ):
         """Start where the run starts; `names` are the columns that are written down."""
         self._stepper = assembly.stepper
         members = {member.spec.name: member for member in assembly.members}
@@ -64,7 +73,9 @@ class Observer:
             vertical=True,
             second=d == 3,
             structure=None if self._structure is None else self._structure.parts,
+            links={link.name: not link.is_axial for link in links},
         )
+        self._links = LinkRows(links, self._columns, d) if links else None
         self._layout = row_layout(len(members), dimension=d, platform=moves)
         self.names = tuple(names)
         self._written = np.array([self._columns.index(name) for name in names])
@@ -133,11 +144,27 @@ class Observer:
         elif self._platform is not None:
             forces = exchange.ground or self._stepper.ground_forces(state)
             write_base_shear(forces, self._stepper.system.comm, row[layout.foundation :])
+        if self._links is not None:
+            self._links.write(row[None], self._link_numbers(state)[None])
         begins = self._start is None
         self._write_energies(state, exchange, row[layout.energy :])
         if begins:
             check_filled(self._columns, row[None])
         return row.take(self._written)
+
+    def _link_numbers(self, state: State) -> Array:
+        """All links in a state, as `LinkStates` takes them apart."""
+        attached = self._stepper.attached
+        assert attached is not None and attached.links is not None
+        assert state.body_links is not None
+        return attached.links.numbers(state.body_links)
+
+    def link_events(self, before: State, after: State) -> tuple[Event, ...]:
+        """What happened to links in the step between two states."""
+        if self._links is None:
+            return ()
+        numbers = np.array([self._link_numbers(state) for state in (before, after)])
+        return tuple(self._links.events(numbers, np.array([after.time])))
 
     def _write_energies(self, state: State, exchange: Exchange, row: Array) -> None:
         """Stored, taken in and dissipated energy, J."""

@@ -32,7 +32,7 @@ class ForceSpec(Checked):
     """Name of the block."""
     at: Position | None = None
     """Place on the block at which it acts, m, from the middle of its bottom as it stands upright;
-    not with `pressure`. Default: its centre of mass."""
+    not with `pressure`. Default: its centre of mass; on an elastic block all of its mass."""
     force: Forces | None = None
     """Along x and y, in 3-D along x, y and z, N. Default: this or `pressure`."""
     pressure: Pressure | None = None

@@ -22,6 +22,7 @@ from geometry.solid import common_depth, hull
 from solver.errors import SceneError, Statement
 from solver.scene.block import BlockSpec
 from solver.scene.checking import shown
+from solver.scene.force import ForceSpec
 from solver.scene.laws import GROUND
 from solver.scene.link import LinkSpec
 from solver.scene.quantities import Dimension
@@ -240,6 +241,61 @@ def second_is_above(link: LinkSpec, placed: Mapping[str, Pose]) -> bool:
         for name in link.between
     )
     return bool(second >= first)
+
+
+OUTSIDE = 0.01
+"""How far outside of an elastic block, as a part of its half diagonal, a place counts as one on its
+surface: facets of a round face lie within it."""
+
+
+def refuse_outside(
+    links: Sequence[LinkSpec],
+    forces: Sequence[ForceSpec],
+    blocks: Sequence[BlockSpec],
+    deck: Sequence[float] | None,
+) -> None:
+    """Refuse places at which nothing is that deforms: outside of elastic blocks, off a meshed top.
+
+    Args:
+        links: All of a scene.
+        forces: The same.
+        blocks: The same.
+        deck: Sides of the top of a meshed foundation, m; None: it is not meshed.
+
+    Raises:
+        SceneError: Names the place.
+    """
+    elastic = {block.name: block for block in blocks if block.model == "elastic"}
+    ends = [
+        (f"{link.name}.{key}", name, place)
+        for link in links
+        for key, name, place in zip(("at", "to"), link.between, (link.at, link.to), strict=True)
+    ]
+    ends += [(f"{force.name}.at", force.on, force.at) for force in forces]
+    for where, name, place in ends:
+        if place is None:
+            continue
+        if name in elastic and not _is_in(elastic[name], np.array(place)):
+            raise SceneError(where, shown(place), f"a place in {name} or on it, which is elastic")
+        if name == GROUND and deck is not None:
+            half = 0.5 * np.array(deck[: len(place) - 1]) * (1 + ROUND_OFF)
+            if place[-1] or np.any(np.abs(place[:-1]) > half):
+                raise SceneError(where, shown(place), "a place on the foundation's top, at level 0")
+
+
+def _is_in(spec: BlockSpec, place: Array) -> bool:
+    """True if a place of its own frame, (d,), m, is in a block or on its surface."""
+    solid = spec.shape.solid or hull(spec.shape.corners(len(place)))
+    reach = OUTSIDE * spec.shape.half_diagonal
+    return any(
+        np.all(
+            [
+                (place - part.corners[face[0]]) @ normal <= reach
+                for face, normal in zip(part.faces, part.normals, strict=True)
+            ]
+        )
+        for part in solid.parts
+    )
 
 
 def refuse_links(

@@ -38,7 +38,7 @@ RIGID = 'model = "rigid" for every block, no meshed foundation'
 """The remedy where the engine of meshed bodies cannot do what a key says."""
 
 UNMESHED = f"scenes in which nothing is meshed only: {RIGID}"
-"""The scenes to which restitutions, links and forces apply."""
+"""The scenes to which restitutions and feet apply."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -117,6 +117,11 @@ class Scene(Checked):
 
             refuse_links(self.links, self.poses(), self.dimension)
             limits.refuse_stiff_links(self.links, self.blocks, self.gravity)
+        if (self.links or self.forces) and not self.is_rigid:
+            from solver.scene.places import refuse_outside
+
+            deck = self.foundation.top if self.foundation.is_meshed else None
+            refuse_outside(self.links, self.forces, self.blocks, deck)
         self.check_limits(shaking=0.0)
 
     def _each_block(self, change: Callable[[BlockSpec], BlockSpec]) -> tuple[BlockSpec, ...]:
@@ -224,9 +229,6 @@ class Scene(Checked):
         if self.contact.damping and self.contact.stiffness is None and rigid is not None:
             what = f"beside contact.damping, since {rigid} is rigid (stiffness > 0, Pa/m)"
             raise missing_key("contact.stiffness", what)
-        for key, members in (("link", self.links), ("force", self.forces)):
-            if members and not self.is_rigid:
-                raise not_applicable(f"{key} {members[0].name}", UNMESHED)
         if self.time.adaptive and self.is_rigid:
             # Their steps are cut where bodies touch and where slips end, whatever `step` is.
             raise not_applicable("time.adaptive", "scenes with meshed bodies only")

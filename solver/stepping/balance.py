@@ -19,6 +19,7 @@ from solver.contact.pairs import Link
 from solver.law.friction import Bounds
 from solver.parallel import global_sums
 from solver.scheme.generalized_alpha import GeneralizedAlpha, TangentWeights
+from solver.stepping.attached import Pull, StepAttached
 from solver.stepping.convergence import ResidualTolerance
 from solver.stepping.interfaces import StepStart
 from solver.stepping.ledger import StepEnds, energies
@@ -65,6 +66,8 @@ class Balance(NamedTuple):
     """dt, s, for the speed of slip; infinite in equilibrium."""
     glued: bool = False
     """True if closed points hold any friction."""
+    attached: StepAttached | None = None
+    """Links and forces on bodies; None without any."""
 
     @property
     def static(self) -> bool:
@@ -90,6 +93,9 @@ class Balance(NamedTuple):
             squares.append(body.round_off(reached[own], weights))
         squares = global_sums(system.comm, squares)
         loads, inertias, rough = squares[::3], squares[1::3], squares[2::3]  # of each body
+        if self.attached is not None:
+            pulls = self.attached.round_off(len(system.bodies), self.contact_weight)
+            rough = [own + more**2 for own, more in zip(rough, pulls, strict=True)]
         given = loads if any(loads) else inertias
         scale, least = math.sqrt(sum(given)), ROUND_OFFS * math.sqrt(sum(rough))
         accelerations = [
@@ -186,6 +192,8 @@ class StepSolution(NamedTuple):
     """Corrections that it took."""
     held: Array
     """The residual at the unknowns that do not move, `System.fixed`, N."""
+    pull: Pull | None = None
+    """What links and forces do; None without any."""
 
 
 class Step(NamedTuple):
@@ -199,6 +207,7 @@ class Step(NamedTuple):
         turning: How bodies turn in it.
         p: Inertia forces of t_n, turned to the middle of the step, N.
         rotations: Rotations of all bodies at t_n, (d, d) each.
+        attached: Links and forces on bodies; None without any.
     """
 
     dt: float
@@ -208,6 +217,7 @@ class Step(NamedTuple):
     turning: RotationPrediction
     p: Array
     rotations: Sequence[Array]
+    attached: StepAttached | None = None
 
 
 def balance_of(
@@ -226,15 +236,19 @@ def balance_of(
             constant[own] += scheme.contact_weight * drag
         if spring is not None:
             constant[own] += af * spring
+    load = weighted
+    if step.attached is not None:
+        load = step.attached.with_loads(weighted, scheme.contact_weight)
     return Balance(
         contact=step.start.contacts,
         weights=weights,
         constant=constant,
-        load=weighted,
+        load=load,
         start=state.u,
         way=dt * state.v,
         rotations=step.rotations,
         step=dt,
+        attached=step.attached,
     )
 
 
@@ -280,6 +294,7 @@ def inertia_force(
     step: Step,
     ends: StepEnds,
     contacts: Sequence[Contact],
+    pull: Pull | None = None,
 ) -> Array:
     """p_{n+1} = M a_tot less impulses/(2 beta), in the frame of the middle of the step.
 
@@ -303,6 +318,8 @@ def inertia_force(
             continue
         increment = ContactIncrement(memory.seen, c.seen, c.force)
         link.interface.add_forces(increment, system.parts(p, link), weights)
+    if step.attached is not None and pull is not None:
+        step.attached.add_forces(p, ends.u, -impulse * pull.force)
     return p
 
 

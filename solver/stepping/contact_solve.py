@@ -12,7 +12,7 @@ bodies:
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -32,6 +32,14 @@ from solver.stepping.active_set import (
     EdgeWatch,
     points_beyond,
 )
+from solver.stepping.attached import (
+    Attached,
+    CorrectedBodies,
+    LinkCorrection,
+    Places,
+    Pull,
+    places_of,
+)
 from solver.stepping.balance import Balance, Contact, StepSolution
 from solver.stepping.delassus import (
     Delassus,
@@ -42,7 +50,13 @@ from solver.stepping.delassus import (
 )
 from solver.stepping.nonlinear import NonlinearSolver
 from solver.stepping.point_table import PointTable, copied, joined
-from solver.stepping.response import CandidateSet, Kinematics, repeat_compliances, saved_compliances
+from solver.stepping.response import (
+    AnyResponse,
+    CandidateSet,
+    Kinematics,
+    repeat_compliances,
+    saved_compliances,
+)
 from solver.stepping.step_contact import ContactModel, OthersNear, StepContact
 from solver.stepping.system import Body, System, response_of
 from solver.types import Array, Indices, Mask
@@ -111,11 +125,17 @@ class StepProblem:
         self.held: Array = np.empty(0)
         self.inertia: Array = self.held
         self._residual: Array = self.held
+        self._attached = balance.attached
+        self._pull: Pull | None = None
+        """What links and forces do at the iterate; None without any."""
 
     @property
     def forces(self) -> float:
-        """Largest norm of the contact forces so far, N."""
-        return self.contact.largest
+        """Largest norm of the contact forces so far, or of those of links, N."""
+        if self._pull is None or self._pull.links is None:
+            return self.contact.largest
+        links = self._weight * float(np.linalg.norm(self._pull.links.force))
+        return max(self.contact.largest, links)
 
     def residual(self, u: Array) -> Array:
         """Out-of-balance force at u with the current point forces, N."""
@@ -126,6 +146,9 @@ class StepProblem:
             at, on = parts(u, link), parts(residual, link)
             seen[number] = found = link.interface.evaluate_forces(before, at, force, on, weights)
             kinematics[number] = found[1]
+        if self._attached is not None:
+            self._pull = pull = self._attached.at(u)
+            self._attached.add_forces(residual, u, -self._weight * pull.force)
         fixed = self._system.fixed
         if len(fixed):
             self.held = residual.take(fixed)
@@ -145,6 +168,11 @@ class StepProblem:
                 weights = ForceWeights.of(tangent.contact, tangent.interface, sign=-1.0)
                 found.append(ActivePair(number, link, before, force, weights))
         return found
+
+    @property
+    def pull(self) -> Pull | None:
+        """What links and forces do at the iterate; None without any."""
+        return self._pull
 
     def acceleration(self) -> float:
         """Largest acceleration that the resultant of that force gives a body, m/s2.
@@ -173,7 +201,10 @@ class StepProblem:
             self._configurations = [response.at(u[own], was) for response, own, was in self._bodies]
         y, self._beyond = self._positions(), self._points_beyond()
         free = self._free(residual, y)
-        delassus, change = self._settled(y)
+        if self._pull is None or self._pull.links is None:
+            delassus, change = self._settled(y)
+        else:
+            free, delassus, change = self._settled_with_links(free, y)
         found = []
         for k, (response, _, _) in enumerate(self._bodies):
             at = self._configurations[k]
@@ -193,6 +224,26 @@ class StepProblem:
             response.read(at, free, y, self._frames, self._kinematics)
             found.append(free)
         return found
+
+    def _settled_with_links(
+        self, free: list[Any], y: Array
+    ) -> tuple[list[Any], Delassus, Array | None]:
+        """Let point forces and links obey their laws; the motions of bodies with links besides."""
+        assert self._attached is not None and self._pull is not None
+        forces, force = self.contact.force, self.contact.force.copy()
+
+        def read(number: int, motion: Any, moved: Array) -> None:
+            at, response = self._configurations[number], self._bodies[number][0]
+            response.read(at, motion, moved, self._frames, self._kinematics)
+
+        bodies = CorrectedBodies(self._configurations, free, read, y.shape, self._weight)
+        links = LinkCorrection(self._attached, self._pull, self._tangents.places, bodies)
+        while True:
+            operator, change = self._settled(links.positions(y), links.condensed)
+            near = operator.near.number
+            if not links.follows(near, change):
+                return links.moved(free), operator, change
+            forces[:] = force
 
     def _positions(self) -> Array:
         """Augmented positions of all points at the iterate, from their rest gaps.
@@ -219,11 +270,14 @@ class StepProblem:
                 beyond[points.own[number]] = off
         return self._watch.settled(beyond)
 
-    def _settled(self, y: Array) -> tuple[Delassus, Array | None]:
+    def _settled(
+        self, y: Array, condensed: Callable[[Delassus], Delassus] | None = None
+    ) -> tuple[Delassus, Array | None]:
         """Let the point forces obey the contact law after the free step to y.
 
         Points beyond an edge are put far from their carrier in y, whatever their gap: a foot far
-        beyond an edge goes to and fro with the face. Returns the operator of the points that are
+        beyond an edge goes to and fro with the face. The law is solved with the operator, or what
+        is made of it where it is condensed. Returns the operator of the points that are
         near, and the change of their forces, (m, d), N; None where no point is near.
         """
         self._deactivate(y)
@@ -237,7 +291,8 @@ class StepProblem:
                 operator = of_no_points(self._system.dimension)
             else:
                 operator = self._tangents.operator = self._delassus(near)
-        while isinstance(change := self.contact.settle(y, operator), OthersNear):
+        through = condensed or _as_it_is
+        while isinstance(change := self.contact.settle(y, through(operator)), OthersNear):
             self._model.margin.mark_seen(change.number)
             operator = self._tangents.operator = self._delassus(change.number)
         return operator, change
@@ -280,6 +335,11 @@ class StepProblem:
         return found
 
 
+def _as_it_is(operator: Delassus) -> Delassus:
+    """An operator where nothing but contact gives way."""
+    return operator
+
+
 class ContactSolve:
     """Solves balances of the same bodies and interfaces.
 
@@ -289,9 +349,15 @@ class ContactSolve:
     """
 
     def __init__(
-        self, system: System, links: Sequence[Link], local: LocalProblem, options: Sequence[str]
+        self,
+        system: System,
+        links: Sequence[Link],
+        local: LocalProblem,
+        options: Sequence[str],
+        attached: Attached | None = None,
     ):
-        """Set SNES up for the bodies and their interfaces."""
+        """Set SNES up for the bodies, their interfaces, and links and forces on them."""
+        self._attached = attached
         points = PointTable(system, links)
         self._model = ContactModel(
             system=system,
@@ -362,6 +428,7 @@ class ContactSolve:
             inertia=problem.inertia,
             iterations=iterations,
             held=problem.held,
+            pull=problem.pull,
         )
 
     def _restiffens(self, balance: Balance) -> bool:
@@ -405,10 +472,17 @@ class ContactSolve:
                 response_of(system, number, links, _factor(body, own), own)
                 for number, (body, own) in enumerate(zip(system.bodies, weights, strict=True))
             ]
-            self._tangents[weights] = Tangents(responses)
+            self._tangents[weights] = Tangents(responses, places=self._places(responses))
         found = self._tangents.pop(weights)
         self._tangents[weights] = found  # the one used last stands last
         return found
+
+    def _places(self, responses: Sequence[AnyResponse]) -> Sequence[Places]:
+        """How the places of links move, body by body; none where there are no links."""
+        if self._attached is None or self._attached.links is None:
+            return ()
+        members = self._attached.attachments.members
+        return [places_of(responses[number], attachment) for number, _, _, attachment in members]
 
     def _make_room(self) -> None:
         """Drop the tangents used least recently, where one more would be too many; collective."""

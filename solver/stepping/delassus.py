@@ -78,10 +78,12 @@ class Tangents:
     Attributes:
         responses: Responses of all bodies.
         operator: The Delassus operator made last; None before the first.
+        places: How places of links move on the bodies that have any, `Places`.
     """
 
     responses: Sequence[AnyResponse]
     operator: Delassus | None = None
+    places: Sequence[Any] = ()
 
     @property
     def nbytes(self) -> float:

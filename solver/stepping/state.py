@@ -10,6 +10,7 @@ import numpy as np
 from solver.bodies.kinematics import RigidMotion
 from solver.contact.memory import Memory
 from solver.kernels import meshed
+from solver.stepping.body_links import LinkMemory
 from solver.stepping.system import System
 from solver.types import Array
 
@@ -72,6 +73,7 @@ class State(NamedTuple):
         changed: True if contact changed in the step that led here.
         reversal: Speed at which what slipped in that step now slips back, the largest, m/s.
         damped_until: Time until which steps are damped since contact changed, s.
+        body_links: Links between bodies; None without any.
     """
 
     time: float
@@ -89,6 +91,7 @@ class State(NamedTuple):
     changed: bool = False
     reversal: float = 0.0
     damped_until: float = 0.0
+    body_links: LinkMemory | None = None
 
     def is_damped(self, dt: float) -> bool:
         """True if a step of length `dt` (s) from here is taken with rho_inf = 0."""

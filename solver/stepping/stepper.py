@@ -16,6 +16,7 @@ from solver.excitation.motion import GroundMotion
 from solver.law.local_problem import LocalProblem
 from solver.parallel import any_rank
 from solver.scheme.generalized_alpha import GeneralizedAlpha
+from solver.stepping.attached import UNATTACHED, Attached, StepAttached
 from solver.stepping.balance import (
     Balance,
     Step,
@@ -59,6 +60,7 @@ class Stepper:
         ground: GroundMotion | None = None,
         velocity_solve: bool = True,
         petsc_options: Sequence[str] = (),
+        attached: Attached | None = None,
     ):
         """Set the solver up.
 
@@ -70,7 +72,9 @@ class Stepper:
             ground: Motion of the ground; None for ground at rest.
             velocity_solve: True if contact is also solved at velocity level after each step.
             petsc_options: Options for SNES.
+            attached: Links and forces on bodies; None without any.
         """
+        self.attached = attached
         self.system, self.scheme = system, scheme
         self._interfaces = Interfaces(system, contacts)
         self._active: Active | None = None
@@ -108,7 +112,8 @@ class Stepper:
                 body.stiffen([link.interface.theta_matrix(body.mass_matrix) for link in own])
                 self._stiffened[number] = own
         self._resources.close()
-        self._solve = ContactSolve(self.system, self.links, self.local, self._petsc_options)
+        options, attached = self._petsc_options, self.attached
+        self._solve = ContactSolve(self.system, self.links, self.local, options, attached)
         self._resources.callback(self._solve.close)
         self._impulses: VelocityImpulses | None = None
 
@@ -170,13 +175,20 @@ class Stepper:
         active = self._interfaces.active(state, 0.0, None)
         self._join(active)
         contacts = self._interfaces.fresh(active, state)
-        state = state._replace(contacts=contacts, active=active)
-        return consistent(self.system, self.links, state)
+        return self._begun(state._replace(contacts=contacts, active=active))
+
+    def _begun(self, state: State) -> State:
+        """A state at the start, with what it stores, and where links begin."""
+        state = consistent(self.system, self.links, state)
+        if self.attached is None or self.attached.links is None:
+            return state
+        places, links = self.attached.attachments.values(state.u), self.attached.links
+        memory = links.start(places)
+        return state._replace(body_links=memory, spring=state.spring + links.energy(memory))
 
     def launch(self, state: State, v: Array) -> State:
         """The state with other velocities."""
-        launched = state._replace(v=v, turning=None, damped_until=0.0, motions={})
-        return consistent(self.system, self.links, launched)
+        return self._begun(state._replace(v=v, turning=None, damped_until=0.0, motions={}))
 
     def static_start(
         self,
@@ -185,6 +197,7 @@ class Stepper:
         load: Array | None = None,
         start: State | None = None,
         glued: bool = False,
+        pushed: bool = False,
         steady: float = 1e-7,
     ) -> State:
         """Gravity and loads in equilibrium with contact, at rest at t = 0: then the ground moves.
@@ -195,6 +208,7 @@ class Stepper:
             start: A state whose contact memory is gone on from (loads that come one after another).
             glued: True if friction holds whatever it takes: where a block is about to slide, this
                 is what holds it until it is let go.
+            pushed: True if applied forces act as at t = 0.
             steady: Stiffness of the tangent against rigid motions of a body, over that against
                 strain. Small ones cost the contact forces as many digits, of large ones each
                 correction leaves a part in the error.
@@ -209,24 +223,33 @@ class Stepper:
             body.begin_static(u[own])
         gravity = self.gravity @ system.directional_mass
         total = gravity if load is None else gravity + load
+        standing, loads = self._standing(u, pushed=pushed), total
+        if standing is not None:
+            loads = standing.with_loads(total, 1.0)
         balance = Balance(
             contact=state.contacts,
             weights=static_weights(system.bodies, steady),
             constant=-total,
-            load=total,
+            load=loads,
             start=u,
             way=None,
             rotations=[None] * len(system.bodies),
             glued=glued,
+            attached=standing,
         )
         solution = self._solve.solve(balance, u)
         contacts, _ = remembered(self.links, state.contacts, solution.contacts, np.inf)
         rest, u = np.zeros_like(u), self.system.settled(solution.u)
-        return consistent(
-            self.system,
-            self.links,
-            State(0.0, u, rest, p=rest, contacts=contacts, motions={}, active=state.active),
+        return self._begun(
+            State(0.0, u, rest, p=rest, contacts=contacts, motions={}, active=state.active)
         )
+
+    def _standing(self, u: Array, *, pushed: bool) -> StepAttached | None:
+        """Links and forces in an equilibrium; None without any."""
+        if self.attached is None:
+            return None
+        applied = self.attached.applied(0.0, 0.0, self.system.dimension)
+        return StepAttached(self.attached, u, applied * pushed, None, np.inf)
 
     def _load(self, time: float, dt: float) -> Array:
         """Body forces of gravity and of the accelerated ground, mean over a step, N.
@@ -250,6 +273,8 @@ class Stepper:
         guess = extrapolated(self.system, state, step.turning)
         try:
             solution = self._solve.solve(balance, guess)
+            while step.attached is not None and step.attached.breaks_at(solution.pull):
+                solution = self._solve.solve(balance, guess)
         except StepFailed:
             self._join(state.active)
             raise
@@ -260,6 +285,10 @@ class Stepper:
         start = self.prepare(state, dt)
         bodies = range(len(self.system.bodies))
         motions = [state.rigid_motion(self.system, number) for number in bodies]
+        attached = None
+        if self.attached is not None:
+            applied = self.attached.applied(state.time, dt, self.system.dimension)
+            attached = StepAttached(self.attached, state.u, applied, state.body_links, dt)
         turning = RotationPrediction.of([motion.spin for motion in motions], dt, state.turning)
         return Step(
             dt=dt,
@@ -269,6 +298,7 @@ class Stepper:
             turning=turning,
             p=turned(self.system, state.p, turning.halves),
             rotations=[motion.rotation for motion in motions],
+            attached=attached,
         )
 
     def _ended(
@@ -281,7 +311,7 @@ class Stepper:
         v = 2 * mean - state.v
         impulsive, residual = impulsive_forces(system, u, dt), solution.residual
         ends = StepEnds(dt, u, v, du, mean, impulsive, residual, solution.inertia)
-        p = inertia_force(system, self.links, state, step, ends, solution.contacts)
+        p = inertia_force(system, self.links, state, step, ends, solution.contacts, solution.pull)
         at_supports: Array = np.empty(0)
         if len(system.fixed):
             at_supports, p[system.fixed] = p[system.fixed], 0.0
@@ -295,6 +325,10 @@ class Stepper:
             if correction is not UNCHANGED:
                 ground = with_impulses(system, ground, correction.change, dt)
         changed = any_rank(system.comm, contact_changed(old, contacts, self._rigid))
+        pulled = UNATTACHED
+        if step.attached is not None and solution.pull is not None:
+            pulled = step.attached.end(solution.pull, state.time)
+            changed = changed or bool(step.attached.breaks.any())
         new = State(
             time=end,
             u=system.settled(u),
@@ -306,7 +340,8 @@ class Stepper:
             active=step.start.active,
             kinetic=sums.energies.kinetic - correction.contact - correction.friction,
             strain=sums.energies.strain,
-            spring=sums.energies.spring,
+            spring=sums.energies.spring + pulled.stored,
+            body_links=pulled.memory,
             turning=step.turning,
             changed=changed,
             reversal=correction.reversal,
@@ -317,9 +352,9 @@ class Stepper:
             raise StepFailed("bodies that were far apart have come to overlap")
         averaged = numerical_loss(sums, self.links, old=old, new=contacts, skew=step.scheme.skew)
         exchange = Exchange(
-            input=-float(sums.moved @ self.mean_base(state.time, dt)),
+            input=pulled.work - float(sums.moved @ self.mean_base(state.time, dt)),
             friction=lost.friction + correction.friction,
-            damping=sums.damping,
+            damping=sums.damping + pulled.lost,
             contact_damping=lost.damping,
             contact=lost.contact + correction.contact + step.start.exchanged,
             numerical=averaged,

@@ -1,4 +1,4 @@
-"""Forces on rigid blocks: statics, impulses, and wind on containers."""
+"""Forces on blocks, rigid and elastic: statics, impulses, and wind on containers."""
 
 from __future__ import annotations
 
@@ -195,3 +195,110 @@ def test_a_pressure_needs_the_face_of_a_box() -> None:
     }
     with pytest.raises(SceneError, match=r"pressure applies to boxes; drum has a shape"):
         parse_scene(tables)
+
+
+# ------------------------------------------------------------------ elastic blocks
+
+STONE = {"young": 5e10, "poisson": 0.2, "damping": {"stiffness": 0.0}}
+CELLS = {2: [2, 4], 3: [2, 2, 3]}
+
+
+def elastic(d: int, block: dict[str, Any]) -> dict[str, Any]:
+    """A rigid block as an elastic one."""
+    return {"cells": CELLS[d]} | STONE | block | {"model": "elastic"}
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_an_elastic_block_starts_in_equilibrium_with_what_pushes_it(d: int) -> None:
+    """As on an incline, the start finds the directions of friction to 1e-5."""
+    pytest.importorskip("dolfinx")
+    given = scene(d, elastic(d, SLENDER), end=0.05, force=[push(d, 800.0, -500.0)])
+    history = run(given, gain=1e-8).history
+    assert history["block.normal_force_N"] == pytest.approx(WEIGHT + 500.0, rel=1e-5)
+    assert history["block.friction_force_N"] == pytest.approx(-800.0, rel=1e-5)
+    assert history["energy.input_J"] == pytest.approx(0.0, abs=1e-8)
+    assert history["energy.kinetic_J"] == pytest.approx(0.0, abs=1e-10)
+
+
+def test_an_elastic_block_that_is_pushed_too_hard_slides_from_the_start() -> None:
+    pytest.importorskip("dolfinx")
+    block = elastic(2, SLENDER)
+    given = scene(2, block, end=0.5, step=4e-3, friction=0.1, force=[push(2, 800.0, 0.0)])
+    slip = run(given).history["block.slip_m"][-1]
+    assert slip == pytest.approx(0.5 * (800.0 - 0.1 * WEIGHT) / 500.0 * 0.5**2, rel=1e-3)
+
+
+@pytest.mark.parametrize("at", [None, [0.0, 1.0], [0.25, 0.7]])
+def test_impulses_on_an_elastic_block_are_its_momentum(at: list[float] | None) -> None:
+    """Whose centre moves as that of a rigid one; work is the change of all energy."""
+    pytest.importorskip("dolfinx")
+    rows = [[0.1, 0.0], [0.13, 1.0], [0.2, -0.5], [0.31, 0.0]]
+    free = elastic(2, SLENDER) | {"position": [0.0, 5.0], "young": 1e9}
+    force = push(2, 3000.0, 700.0, table=rows) | ({} if at is None else {"at": at})
+    result = run(scene(2, free, end=0.5, step=4e-3, gravity=0.0, force=[force]))
+    history = result.history
+    impulse = np.trapezoid([factor for _, factor in rows], [time for time, _ in rows])
+    for axis, whole in (("x", 3000.0), ("y", 700.0)):
+        speed = np.diff(history[f"block.centre_{axis}_m"])[-10:] / 4e-3
+        assert speed == pytest.approx(whole * impulse / 500.0, rel=1e-7)
+    total = history["energy.total_J"] - history["energy.total_J"][0]
+    lost = history["energy.numerical_J"]
+    assert total + lost == pytest.approx(history["energy.input_J"], abs=1e-9 * total.max())
+    if at is None:
+        assert np.abs(history["block.angle_rad"]).max() < 1e-10
+
+
+def test_an_elastic_block_turns_by_a_couple_as_a_rigid_one() -> None:
+    pytest.importorskip("dolfinx")
+    ends = [
+        push(2, sign * 100.0, 0.0, name=name, at=[0.0, height])
+        for name, sign, height in (("top", 1.0, 2.0), ("bottom", -1.0, 0.0))
+    ]
+    free = SLENDER | {"position": [0.0, 5.0]}
+    turned = [
+        run(scene(2, block, end=2.0, step=4e-3, gravity=0.0, force=ends)).history["block.angle_rad"]
+        for block in (free, elastic(2, free))
+    ]
+    assert turned[0].max() > 1.5
+    assert np.abs(turned[1] - turned[0]).max() < 1e-3 * turned[0].max()
+
+
+@pytest.mark.parametrize(("d", "face"), [(2, "left"), (2, "top"), (3, "back"), (3, "right")])
+def test_a_pressure_pushes_an_elastic_block_by_the_area_of_its_face(d: int, face: str) -> None:
+    """It moves as a rigid one does, and does not turn."""
+    pytest.importorskip("dolfinx")
+    air = {"position": [*[0.0] * (d - 1), 5.0]}
+    wind = {"on": "block", "face": face, "pressure": 700.0}
+    moved = []
+    for block in (SLENDER, elastic(d, SLENDER)):
+        given = scene(d, block | air, end=0.1, step=4e-3, gravity=0.0, force=[wind])
+        history = run(given).history
+        moved.append([np.ptp(history[f"block.centre_{axis}_m"]) for axis in "xyz"[:d]])
+        assert np.abs(history["block.angle_rad"]).max() < 1e-9
+    assert max(moved[0]) > 0.0
+    assert moved[1] == pytest.approx(moved[0], abs=1e-9 * max(moved[0]))
+
+
+def test_a_pressure_squeezes_an_elastic_block() -> None:
+    """Between two faces: energy of strain p²/(2 E) V, with poisson 0, and no motion."""
+    pytest.importorskip("dolfinx")
+    block = elastic(2, SLENDER) | {"damping": {"stiffness": 1e-3}, "young": 1e8}
+    winds = [
+        {"name": face, "on": "block", "face": face, "pressure": 1e4, "ramp": [0.0, 0.3]}
+        for face in ("left", "right")
+    ]
+    air = {"position": [0.0, 5.0], "poisson": 0.0}
+    given = scene(2, block | air, end=0.4, step=4e-3, gravity=0.0, force=winds)
+    history = run(given).history
+    strain = 1e4 / 1e8
+    assert history["energy.strain_J"][-1] == pytest.approx(1e4 * strain / 2 * 0.5, rel=1e-3)
+    assert np.abs(history["block.centre_x_m"]).max() < 1e-9
+
+
+@pytest.mark.parametrize(("speed", "mode"), [(27.6, "rest"), (27.8, "slide")])
+def test_wind_slides_an_elastic_container(speed: float, mode: str) -> None:
+    pytest.importorskip("dolfinx")
+    box = {k: v for k, v in elastic(2, CONTAINER).items() if k != "damping"} | {"young": 5e8}
+    wind = {"on": "block", "face": "left", "pressure": pressure(speed), "ramp": [0.0, 2.0]}
+    result = run(scene(2, box, end=5.0, step=4e-3, friction=0.4, force=[wind]))
+    assert result.summary["blocks"]["block"]["mode"] == mode
