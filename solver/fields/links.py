@@ -39,59 +39,59 @@ class LinkFields:
     def __init__(self, scene: Scene, files: FieldFiles):
         """Where the ends are on bodies that stand upright, as those do in the files."""
         self._scene = scene
-        upright, placed = scene.poses(upright=True), scene.poses()
-        self._own = [own_ends(link, placed) for link in scene.links]
-        dimension = scene.dimension
-        here = {GROUND: level(np.zeros(dimension))} | dict(upright)
-        self._mesh = self._lines(here, np.zeros(len(scene.links)))
+        upright = {GROUND: level(np.zeros(scene.dimension))} | scene.poses(upright=True)
+        self._own_ends = [own_ends(link, scene.poses()) for link in scene.links]
+        """Both ends of each link in the own frames of its bodies, (d,), m."""
+        self._mesh = _lines(self.ends_by(upright), np.zeros(len(scene.links)))
         numbers = np.arange(4 * len(scene.links)).reshape(-1, 2)
         part = Part(points=in_space(self._mesh), nodes=numbers, kind=LINE)
         self._writer = files.body(LINKS, part)
-        columns = COLUMNS[: 2 + dimension]
-        names = [f"{link.name}.{name}" for link in scene.links for name in columns]
-        self._rows, self._names = LinkRows(scene.links, names, dimension), names
+        columns = COLUMNS[: 2 + scene.dimension]
+        self._names = [f"{link.name}.{name}" for link in scene.links for name in columns]
+        self._rows = LinkRows(scene.links, self._names, scene.dimension)
 
-    def write(self, time: float, frames: Mapping[str, Pose], numbers: Array) -> None:
+    def ends_by(self, frames: Mapping[str, Pose]) -> Array:
+        """Where the ends of all links are, (links, 2, d), m.
+
+        By the motions from the own frames of blocks, and from that of the foundation, by names.
+        """
+        pairs = zip(self._scene.links, self._own_ends, strict=True)
+        return np.array(
+            [
+                [frames[name](end[None])[0] for name, end in zip(link.between, own, strict=True)]
+                for link, own in pairs
+            ]
+        )
+
+    def write(self, time: float, ends: Array, numbers: Array) -> None:
         """Write the links at a time, s.
 
         Args:
             time: s.
-            frames: From the own frame of each block, and from that of the foundation, by names, to
-                where it is.
+            ends: Where their ends are, (links, 2, d), m.
             numbers: Of all links, as `LinkStates.split` takes them apart.
         """
         row: Array = np.zeros((1, len(self._names)))
         self._rows.write(row, numbers[None])
-        known = dict(zip(self._names, row[0], strict=True))
-        extension, state, tension = (
-            np.array([known[f"{link.name}.{name}"] for link in self._scene.links])
-            for name in COLUMNS[:3]
-        )
-        shear = [
-            [known[f"{link.name}.{name}"] for name in COLUMNS[3 : 2 + self._scene.dimension]]
-            for link in self._scene.links
-        ]
-        moved = self._lines(frames, state) - self._mesh
+        extension, state, tension, *shear = row.reshape(len(self._scene.links), -1).T
         means = {
             "tension": tension,
-            "shear_force": np.linalg.norm(shear, axis=1),
+            "shear_force": np.linalg.norm(shear, axis=0),
             "extension": extension,
             "state": state,
         }
         twice = {name: np.repeat(values, 2) for name, values in means.items()}
+        moved = _lines(ends, state) - self._mesh
         self._writer.write(time, {"displacement": in_space(moved)}, twice)
-
-    def _lines(self, frames: Mapping[str, Pose], state: Array) -> Array:
-        """Ends of both lines of each link, by its state, (4 links, d), m."""
-        found = []
-        for link, own, number in zip(self._scene.links, self._own, state, strict=True):
-            first, second = (
-                frames[name](end[None])[0] for name, end in zip(link.between, own, strict=True)
-            )
-            part = (LEFT if number == BROKEN else 0.5) * (second - first)
-            found += [first, first + part, second, second - part]
-        return np.array(found)
 
     def close(self) -> None:
         """Finish the files."""
         self._writer.close()
+
+
+def _lines(ends: Array, states: Array) -> Array:
+    """Ends of both lines of links by their states, (4 links, d), m."""
+    first, second = ends[:, 0], ends[:, 1]
+    part = np.where(states == BROKEN, LEFT, 0.5)[:, None] * (second - first)
+    lines = np.stack([first, first + part, second, second - part], axis=1)
+    return lines.reshape(-1, ends.shape[2])

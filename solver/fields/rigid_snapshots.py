@@ -67,7 +67,8 @@ class RigidSnapshots:
             speed[:, : self._dimension - 1] = self._bodies.drift_velocity
             writer.write(time, rigid_fields(shift, speed), {})
         if self._links is not None:
-            self._links.write(time, self._frames(), self._bodies.link_numbers)
+            ends = self._links.ends_by(self._frames())
+            self._links.write(time, ends, self._bodies.link_numbers)
         self._files.end_time(time)
 
     def _frames(self) -> dict[str, Pose]:
