@@ -60,6 +60,9 @@ PLATFORM = "#b5b5b5"
 #: largest weight, which has a part of the height of the tallest block.
 LONGEST, SHORTEST_ARROW, UNIT = 3.0, 0.03, 0.3
 
+#: Height of a heading, and of a line of its legend more, in.
+HEADING, LEGEND = 0.62, 0.2
+
 #: Pixels an inch of the still parts.
 RESOLUTION = 100
 
@@ -342,23 +345,27 @@ def draw_heading(
     runs: Sequence[Run], limit: float, width: int, states: Sequence[int] = ()
 ) -> Pixels:
     """The titles of the runs, each over its shot, and what colours mean."""
+    high = HEADING + LEGEND * bool(states)
     with mpl.rc_context(STYLE):
-        figure = new_figure(0.62, width=width / RESOLUTION)
+        figure = new_figure(high, width=width / RESOLUTION)
         figure.set_dpi(RESOLUTION)
         figure.set_layout_engine("none")
         for number, (run, label) in enumerate(zip(runs, labels(runs), strict=True)):
             title = run.scene.title or label if len(runs) == 1 else label
             left = (number + 0.5) / len(runs) if len(runs) > 1 else 0.012
             side = "center" if len(runs) > 1 else "left"
-            figure.text(left, 0.93, title, ha=side, va="top", fontsize=11, weight="bold")
+            look = {"va": "top", "fontsize": 11, "weight": "bold"}
+            figure.text(left, 1 - 0.043 / high, title, ha=side, **look)
         _add_legend(figure, limit, states)
         return _pixels(figure)
 
 
 def _add_legend(figure: Any, limit: float, states: Sequence[int] = ()) -> None:
-    """The colours of arrows and rigid bodies, of links in their states, and of stress."""
+    """The colours of arrows and rigid bodies, and of stress; below, of links in their states."""
     from matplotlib.patches import Patch
 
+    wide, high = figure.get_size_inches()
+    look = {"loc": "lower left", "handlelength": 1.2, "fontsize": 8.5}
     handles = [
         Patch(
             facecolor=BODY[s] if limit == 0 else FORCE[s],
@@ -367,33 +374,27 @@ def _add_legend(figure: Any, limit: float, states: Sequence[int] = ()) -> None:
         )
         for s in (State.STICKS, State.SLIPS)
     ]
-    handles += legend_handles(states)
-    figure.legend(
-        handles=handles,
-        loc="lower left",
-        bbox_to_anchor=(0.0, -0.06),
-        ncols=len(handles),
-        title=None,
-        handlelength=1.2,
-        fontsize=8.5,
-    )
+    base = LEGEND * bool(states)  # in
+    figure.legend(handles=handles, bbox_to_anchor=(0.0, (base - 0.037) / high), ncols=3, **look)
+    if states:
+        lines = legend_handles(states)
+        figure.legend(handles=lines, bbox_to_anchor=(0.0, -0.037 / high), ncols=4, **look)
     if limit > 0:
         unit, factor = stress_unit(limit)
         # Inches from the right: the label, the bar, the zero.
-        wide, _ = figure.get_size_inches()
         label, bar = 1.62, 1.0
         left = 1 - (label + bar) / wide
-        axes = figure.add_axes((left, 0.30, bar / wide, 0.13))
+        axes = figure.add_axes((left, (base + 0.186) / high, bar / wide, 0.08 / high))
         axes.imshow(np.linspace(0, 1, 256)[None], aspect="auto", cmap=STRESS, extent=(0, 1, 0, 1))
         axes.set_axis_off()
-        look = {"va": "center", "fontsize": 8.5}
-        figure.text(left - 0.05 / wide, 0.36, "0", ha="right", **look)
+        middle, text = (base + 0.223) / high, {"va": "center", "fontsize": 8.5}
+        figure.text(left - 0.05 / wide, middle, "0", ha="right", **text)
         figure.text(
             1 - (label - 0.05) / wide,
-            0.36,
+            middle,
             f"{factor * limit:.3g} {unit} von Mises",
             ha="left",
-            **look,
+            **text,
         )
 
 
