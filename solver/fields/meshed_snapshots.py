@@ -19,6 +19,7 @@ from solver.contact.pairs import Link
 from solver.fields.files import BodyWriter, FieldFiles, open_files
 from solver.fields.functions import BodyFunctions, part_of
 from solver.fields.ground import platform_corners
+from solver.fields.links import LinkFields
 from solver.fields.nodal_contact import NodeState, edge_forces, nodal_contact
 from solver.fields.paraview import write_script
 from solver.fields.part import one_cell, rigid_fields, triangles
@@ -46,7 +47,7 @@ class Snapshots:
         writes = system.comm.rank == 0
         before = before or FieldsBefore()
         files = self._files = open_files(scene, folder, before, writes=writes)
-        self._bodies: list[MeshedFields | RigidFields | HeldFields] = []
+        self._bodies: list[MeshedFields | RigidFields | HeldFields | MeshedLinks] = []
         for number, body in enumerate(system.bodies):
             if isinstance(body, ElasticBody):
                 self._bodies.append(MeshedFields(run, number, body, files))
@@ -62,6 +63,8 @@ class Snapshots:
         held = run.assembly.support.held
         if held is not None:
             self._bodies.append(HeldFields(held, files))
+        if scene.links:
+            self._bodies.append(MeshedLinks(run, LinkFields(scene, files)))
         files.begin()
         if writes:
             write_script(folder, scene, stress=bool(system.meshed))
@@ -215,6 +218,27 @@ class HeldFields:
     def close(self) -> None:
         """Finish the files."""
         self._writer.close()
+
+
+class MeshedLinks:
+    """The links of a run, whose ends are where bodies carry them, bent as they are."""
+
+    def __init__(self, run: SteppedRun, lines: LinkFields):
+        """Take the run, and the writer of lines."""
+        self._run, self._lines = run, lines
+
+    def write(self, time: float) -> None:
+        """Write the links; collective."""
+        attached, state = self._run.assembly.stepper.attached, self._run.state
+        assert attached is not None and attached.links is not None
+        assert state.body_links is not None
+        places = attached.attachments.values(state.u)
+        ends = np.array([places[list(link.ends)] for link in attached.links.links])
+        self._lines.write(time, ends, attached.links.numbers(state.body_links))
+
+    def close(self) -> None:
+        """Finish the files."""
+        self._lines.close()
 
 
 class RigidFields:

@@ -109,3 +109,27 @@ def test_lines_are_where_links_are_and_have_the_numbers_of_the_history(
 def test_no_block_is_called_as_the_lines_are() -> None:
     with pytest.raises(SceneError, match="links"):
         parse_scene(text_of(2, "vtk").replace('model = "rigid"', 'model = "rigid"\nname = "links"'))
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_links_of_an_elastic_block_end_where_it_is_bent_to(dimension: int, tmp_path: Path) -> None:
+    """The distance of the ends of the lashing changes by its extension, to round-off."""
+    pytest.importorskip("dolfinx")
+    cells = "cells = [2, 4]" if dimension == 2 else "cells = [2, 2, 4]"
+    text = text_of(dimension, "vtk").replace("tilt_deg = 3.0\n", f"young = 1e7\n{cells}\n")
+    text = text.replace('model = "rigid"', "poisson = 0.2").replace("end = 0.5", "end = 0.2")
+    simulate(parse_scene(text), folder=tmp_path)
+    run = read_run(tmp_path)
+    assert run.fields is not None
+    grids, times = PvdGrids(run.fields), run.history["time_s"]
+    lengths = []
+    for index, time in enumerate(grids.times):
+        lines = grids.read(index)[grids.names.index("links")]
+        placed = np.asarray(lines.points, float) + lines.point_data["displacement"]
+        row = int(np.argmin(np.abs(times - time)))
+        lengths.append(np.linalg.norm(placed[2] - placed[0]) - run.history["stay.extension_m"][row])
+        for field, column in (("tension", "force_N"), ("state", "state")):
+            told = run.history[f"stay.{column}"][row]
+            assert lines.cell_data[field][0] == pytest.approx(told, rel=1e-9)
+    assert np.ptp(run.history["stay.extension_m"]) > 1e-4
+    assert np.ptp(lengths) < 1e-9
