@@ -57,6 +57,7 @@ def cautions_of_input(scene: Scene, ground: GroundMotion) -> list[str]:
     return [
         *_densities(scene),
         *_hulls(scene),
+        *_hollows(scene),
         *_soft_materials(scene),
         *_gravity(scene),
         *_friction_jumps(scene),
@@ -91,14 +92,42 @@ def _densities(scene: Scene) -> list[str]:
 
 def _hulls(scene: Scene) -> list[str]:
     """Surfaces of files that contacts do not see as they are."""
-    solids = {block.name: block.shape.solid for block in scene.blocks}
-    return [
+    solids = {b.name: b.shape.solid for b in scene.blocks if b.model == "rigid"}
+    meshed = {b.name: b.shape.solid for b in scene.blocks if b.model != "rigid"}
+    open_ones = [
+        f"contacts see {name} where its surface is on its convex hull, which is larger by "
+        f"{percent(solid.hull_excess)} % of its volume: nothing touches it where it is hollow; "
+        "give parts as shape.union"
+        for name, solid in meshed.items()
+        if solid is not None and solid.hull_excess > LARGEST_EXCESS
+    ]
+    return open_ones + [
         f"contacts see {name} larger than its surface by {percent(solid.hull_excess)} % of its "
         f"volume, as {'its convex hull' if len(solid.parts) == 1 else 'convex parts'}: others "
         "touch it where it is hollow; give parts as shape.union"
         for name, solid in solids.items()
         if solid is not None and solid.hull_excess > LARGEST_EXCESS
     ]
+
+
+def _hollows(scene: Scene) -> list[str]:
+    """Blocks that stand on others, meshed, which meet by their hulls though they are not convex."""
+    if scene.is_rigid:
+        return []
+    known = {block.name: block for block in scene.blocks}
+    found = []
+    for upper in scene.blocks:
+        for lower in (known[name] for name in upper.carriers if name in known):
+            narrow = lower.width < upper.width or lower.thickness < upper.thickness
+            for block, counts in ((lower, True), (upper, narrow)):
+                solid = block.shape.solid
+                if counts and solid is not None and len(solid.parts) > 1:
+                    found.append(
+                        f"{upper.name} and {lower.name}, which carries it, meet by the faces of"
+                        f" their convex hulls, beside a meshed body: they do not touch within the"
+                        f" hollows of {block.name}"
+                    )
+    return found
 
 
 def percent(part: float) -> str:

@@ -18,6 +18,7 @@ from solver.scene.cells import default_cell_size, simplices
 
 WEDGE = {"polygon": [[0.0, 0.0], [0.6, 0.0], [0.0, 0.9]]}
 ELL = {"polygon": [[0.0, 0.0], [0.6, 0.0], [0.6, 0.2], [0.2, 0.2], [0.2, 0.9], [0.0, 0.9]]}
+FEET = {"inset": 0.1, "size": 0.1, "height": 0.1}
 STONE = {"density": 2400.0, "young": 1e9, "poisson": 0.2}
 
 
@@ -30,7 +31,6 @@ def scene(*blocks: dict[str, Any], **tables: Any) -> Scene:
 @pytest.mark.parametrize(
     ("block", "said"),
     [
-        ({"shape": ELL}, "block.shape is not convex, and only convex shapes are meshed: give the"),
         ({"shape": WEDGE, "cells": [4, 4]}, "block.cells applies to boxes only; a shape has a"),
         ({"shape": WEDGE, "cell": "triangle"}, "block.cell applies to boxes only; a shape has a"),
         ({"shape": WEDGE, "refinement": 2.0}, "block.refinement applies to boxes only; a shape"),
@@ -41,8 +41,8 @@ def scene(*blocks: dict[str, Any], **tables: Any) -> Scene:
         ({"shape": WEDGE, "inertia": 30.0}, "block.inertia applies to blocks with model"),
         ({"shape": WEDGE, "young": 1e4}, "block.young: got 10000, strained by"),
         (
-            {"width": 1.0, "height": 1.0, "feet": {"inset": 0.1, "size": 0.1, "height": 0.1}},
-            'block.feet applies to blocks with model = "rigid" only; remove it',
+            {"width": 1.0, "height": 1.0, "feet": FEET, "cells": [4, 4]},
+            "block.cells applies to boxes only; on feet it has a cell_size",
         ),
     ],
 )
@@ -51,17 +51,6 @@ def test_what_does_not_go_together_is_refused(block: dict[str, Any], said: str) 
         scene(block)
     assert str(error.value).startswith(said)
     assert "\n" not in str(error.value)
-
-
-def test_rigid_shapes_beside_a_mesh_are_convex() -> None:
-    elastic = {"name": "elastic", "width": 1.0, "height": 0.2}
-    rigid = {"name": "other", "model": "rigid", "on": "elastic"}
-    assert scene(elastic, rigid | {"shape": WEDGE}).blocks[1].shape_of is not None
-    with pytest.raises(SceneError, match=r"^other\.shape is not convex, and something is meshed"):
-        scene(elastic, rigid | {"shape": ELL})
-    feet = {"width": 1.0, "height": 1.0, "feet": {"inset": 0.1, "size": 0.1, "height": 0.1}}
-    with pytest.raises(SceneError, match=r"^other\.feet applies to scenes in which nothing is"):
-        scene(elastic, rigid | feet)
 
 
 def test_quadratic_tetrahedra_need_gauss_points() -> None:
@@ -173,7 +162,7 @@ def test_the_edges_of_a_polygon_are_walked_round() -> None:
     nodes = np.concatenate([corners, (corners + np.roll(corners, -1, axis=0)) / 2])
     points = FixedPoints(nodes[[7, 2, 9, 0, 3, 5, 1, 8, 6, 4]])
     for up in (1.0, -1.0):
-        outline = Outline(points, 1, level_frame(3, up), corners)
+        outline = Outline(points, 1, level_frame(3, up), (corners,))
         chords = outline.chords(points.reference)
         assert outline.count == 5
         assert np.cross(chords[0], chords[1])[2] * up > 0
