@@ -22,15 +22,11 @@ from geometry.cells import Cells, cells_of_model, silent_model
 from geometry.convex import Convex
 from geometry.gmsh_model import MeshedBody, make
 from geometry.surface import Surface
-from geometry.tags import CellTag
+from geometry.tags import FINER, CellTag
 from solver.types import Indices
 
 SHARP = 40.0
 """Angle between facets of a surface, degrees, from which the edge between them stays an edge."""
-
-FINER = 4
-"""Segments of a sharp edge of a surface for each length of a cell, at most: it keeps its own
-corners up to this number."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -199,12 +195,12 @@ def cells_of_surface(surface: Surface, size: float) -> Cells:
         gmsh.model.mesh.classifySurfaces(math.radians(SHARP), True, True, math.pi)
         own = {line: (_edges(line), _length(line)) for _, line in gmsh.model.getEntities(1)}
         gmsh.model.mesh.createGeometry()
+        faces = [number for _, number in gmsh.model.getEntities(2)]
+        gmsh.model.geo.addVolume([gmsh.model.geo.addSurfaceLoop(faces)])
+        gmsh.model.geo.synchronize()  # forgets what is said of curves before it
         for line, (count, length) in own.items():
             coarse = max(1, math.ceil(length / size - 1e-9))
             gmsh.model.mesh.setTransfiniteCurve(line, 1 + min(max(count, coarse), FINER * coarse))
-        faces = [number for _, number in gmsh.model.getEntities(2)]
-        gmsh.model.geo.addVolume([gmsh.model.geo.addSurfaceLoop(faces)])
-        gmsh.model.geo.synchronize()
         with _options({"Mesh.MeshSizeMax": size, "Mesh.MeshSizeExtendFromBoundary": 0}):
             gmsh.model.mesh.generate(3)
         return cells_of_model(3)

@@ -17,6 +17,7 @@ from geometry.density import (
     mass_of_parts,
 )
 from geometry.density import Vector as SpaceVector
+from geometry.tags import FINER
 from solver.errors import SceneError, Statement, missing_key, not_applicable
 from solver.scene.cells import (
     box_mesh_size,
@@ -560,7 +561,7 @@ class BlockSpec(Checked):
             return self._own_cells().shortest_edge
         solid = self.shape.solid
         if solid is not None and solid.surface is not None:
-            return self.cell_size
+            return self.cell_size / FINER
         return min(self.cell_size, self.shape.shortest_edge)
 
     @property
