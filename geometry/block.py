@@ -171,11 +171,14 @@ class Block:
 
     @property
     def bottom_area(self) -> float:
-        """Area of the bottom, m^2; of a solid that of the face that looks most downwards."""
+        """Area of the bottom, m^2; of a solid that of the lowest faces of its parts down there."""
         if self.solid is None:
             return self.width * self.thickness
-        part = min(self.solid.parts, key=lambda part: float(part.corners[:, -1].min()))
-        return part.area(part.lowest_face) * (self.thickness if part.dimension == 2 else 1.0)
+        levels = [float(part.corners[:, -1].min()) for part in self.solid.parts]
+        high = min(levels) + 1e-6 * self.solid.size
+        lowest = [p for p, z in zip(self.solid.parts, levels, strict=True) if z <= high]
+        area = math.fsum(part.area(part.lowest_face) for part in lowest)
+        return area * (self.thickness if self.solid.dimension == 2 else 1.0)
 
     @property
     def shortest_edge(self) -> float:

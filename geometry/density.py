@@ -11,6 +11,7 @@ from itertools import combinations
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 if TYPE_CHECKING:
+    from geometry.convex import Convex
     from solver.types import Array
 
 Vector: TypeAlias = tuple[float, float, float]
@@ -172,6 +173,64 @@ class PartedDensity:
                     share[number] = share_in_box(cells[number], part.low, part.high)
             found += share * (part.density - self.rest)
         return found
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PiecewiseDensity:
+    """rho over its mean: that of each of some convex parts that make up a body."""
+
+    parts: tuple[Convex, ...]
+    """The parts, which have densities of their own."""
+    mean: float
+    """Mean of the body, kg/m^3."""
+
+    @property
+    def least(self) -> float:
+        """The least of them."""
+        return min(part.density for part in self.parts) / self.mean
+
+    def means(self, cells: Array) -> Array:
+        """Its value in cells of which each is in one part, (n,), by their vertices (n, k, d), m."""
+        import numpy as np
+
+        middles, off = cells.mean(axis=1), []
+        for part in self.parts:
+            levels = [part.corners[face[0]] for face in part.faces]
+            heights = middles @ part.normals.T - np.einsum("ij,ij->i", levels, part.normals)
+            off.append(heights.max(axis=1))
+        values = np.array([part.density for part in self.parts]) / self.mean
+        return np.asarray(values[np.argmin(off, axis=0)])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FootedDensity:
+    """rho over its mean of a box between its feet, which hold next to none of the mass."""
+
+    low: float
+    """Level of the bottom of the box, m."""
+    high: float
+    """Level of its top, m."""
+    box: float
+    """Mean of the box over that of the whole."""
+    feet: float
+    """That of the feet over that of the whole."""
+    law: LinearDensity | PartedDensity | None
+    """How it varies in the box, over the mean there; None: it does not."""
+
+    def at_vertices(self, cells: Array, *, simplices: bool = True) -> Array:
+        """Its value in cells at their vertices (n, k, d), m, (n, k)."""
+        import numpy as np
+
+        lifted = cells.copy()
+        lifted[:, :, -1] -= self.low
+        values = np.full(cells.shape[:2], self.box)
+        if isinstance(self.law, LinearDensity):
+            values *= self.law.at(lifted)
+        elif self.law is not None:
+            values *= self.law.means(lifted, simplices=simplices)[:, None]
+        middle = cells[:, :, -1].mean(axis=1)
+        values[(middle < self.low) | (middle > self.high)] = self.feet
+        return values
 
 
 def share_in_box(simplex: Array, low: Sequence[float], high: Sequence[float]) -> float:

@@ -77,6 +77,19 @@ class Surface:
         return self.moments.volume
 
     @property
+    def bodies(self) -> int:
+        """How many bodies it bounds: its shells but for cavities."""
+        label, count = _shells(len(self.points), self.triangles)
+        shells = (self.triangles[label == k] for k in range(count))
+        return sum(moments_of(self.points, shell).volume > 0 for shell in shells)
+
+    @property
+    def area(self) -> float:
+        """Area of the facets, m^2."""
+        a, b, c = (self.points[self.triangles[:, k]] for k in range(3))
+        return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
+
+    @property
     def low(self) -> Array:
         """Lower corner of the box around it, (3,), m."""
         return np.asarray(self.points[np.unique(self.triangles)].min(axis=0))

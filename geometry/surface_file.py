@@ -1,4 +1,4 @@
-"""Files of surfaces: STL, OBJ, PLY, and meshes of Gmsh and VTK, whose boundary it is."""
+"""Files of surfaces: STL, OBJ, PLY, STEP, and meshes of Gmsh and VTK, whose boundary it is."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from geometry.cells import silent_model
+from geometry.mesh_file import surface_of_step
 from geometry.ply_file import read_ply
 from geometry.polygon import size_of, told
 from geometry.surface import MOST, Surface, merged, refuse_too_many
@@ -20,7 +22,7 @@ LARGEST = 100.0
 
 
 def read_surface(path: str | Path, scale: float = 1.0) -> Surface:
-    """The closed surface in a file: .stl, .obj, .vtu (read by VTK), .ply, .msh (by Gmsh).
+    """The closed surface in a file: .stl, .obj, .vtu (read by VTK), .ply, .msh, .step (by Gmsh).
 
     Of meshes with cells it is the boundary of these, of others their facets; quadrilaterals are cut
     into triangles. Points that are one place are one point (`geometry.surface.merged`).
@@ -46,7 +48,8 @@ def read_surface(path: str | Path, scale: float = 1.0) -> Surface:
     try:
         points, triangles = reader(file)
     except ValueError as error:
-        raise ValueError(f"{file}: {error}") from None
+        said = str(error)
+        raise ValueError(said if said.startswith(str(file)) else f"{file}: {said}") from None
     if not len(triangles):
         raise ValueError(f"{file}: got no facets, allowed a closed surface")
     refuse_too_many(len(triangles), str(file))
@@ -120,29 +123,14 @@ def _from_vtu(file: Path) -> tuple[Array, Indices]:
 
 def _from_msh(file: Path) -> tuple[Array, Indices]:
     """Points and boundary of a mesh of Gmsh, of any of its formats; cells by their corners."""
-    import gmsh
-
-    ours = not gmsh.isInitialized()
-    if ours:
-        gmsh.initialize(readConfigFiles=False, interruptible=False)
-    terminal = gmsh.option.getNumber("General.Terminal")
-    gmsh.option.setNumber("General.Terminal", 0)
-    before = "" if ours else gmsh.model.getCurrent()
     try:
-        gmsh.model.add("surface file")
-        gmsh.merge(str(file))
-        return _of_gmsh_model(gmsh.model.mesh)
+        with silent_model("surface file") as gmsh:
+            gmsh.merge(str(file))
+            return _of_gmsh_model(gmsh.model.mesh)
     except ValueError:
         raise
     except Exception as error:  # Gmsh has no narrower class
         raise ValueError(f"got what Gmsh does not read ({error}), allowed a mesh") from None
-    finally:
-        gmsh.model.remove()
-        if before:
-            gmsh.model.setCurrent(before)
-        gmsh.option.setNumber("General.Terminal", terminal)
-        if ours:
-            gmsh.finalize()
 
 
 VTK_CELLS = {(2, 3): 5, (2, 4): 9, (3, 4): 10, (3, 8): 12, (3, 6): 13, (3, 5): 14}
@@ -251,5 +239,7 @@ READERS: dict[str, Callable[[Path], tuple[Array, Indices]]] = {
     ".ply": _from_ply,
     ".msh": _from_msh,
     ".vtu": _from_vtu,
+    ".step": surface_of_step,
+    ".stp": surface_of_step,
 }
 """What reads a file, by the end of its name."""

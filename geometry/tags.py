@@ -30,6 +30,11 @@ class FacetTag(IntEnum):
     """Tops that carry nothing, of storeys below the one that the blocks stand on."""
 
 
+FINER = 4
+"""Segments of a sharp edge of a surface for each length of a cell, at most: it keeps its own
+corners up to this number."""
+
+
 def tags_of_faces(upwards: Sequence[float]) -> tuple[int, ...]:
     """Tags of the faces of a convex body, by the upward components of their unit normals.
 

@@ -263,11 +263,8 @@ class RigidBox(DenseBody):
 
     @property
     def bottom(self) -> Array:
-        """The corners of the bottom, (n, d), m; of a box counterclockwise seen from above."""
-        if self.shape.solid is None:
-            return self.corners[: len(self.corners) // 2]
-        (part,) = self.shape.solid.parts
-        return np.asarray(self.corners[list(part.faces[part.lowest_face])])
+        """The corners of the bottom of a box, counterclockwise seen from above, (2 or 4, d), m."""
+        return self.corners[: len(self.corners) // 2]
 
     @abstractmethod
     def initial(self, moved: Array, rotation: Array) -> Array:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, product
 
 from mpi4py import MPI
 
 import numpy as np
-from dolfinx import mesh
+from dolfinx.mesh import MeshTags
 
 from geometry.arrangement import Pose
+from geometry.body_faces import BodyFaces, faces_of_block
 from geometry.mesh import move
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.rigid_body import RigidBox, rigid_box
@@ -40,7 +41,8 @@ class BlockBody:
         body: The body.
         number: Of the body in the system.
         stand: From the body's reference configuration to where it begins.
-        surface: Its surface.
+        surface: Its surface, that of its convex hull.
+        parts: Those of its convex parts; of a convex body its surface.
         facet_tags: Of its mesh; None: it is rigid.
         carriers: Numbers of the bodies that carry it.
     """
@@ -50,7 +52,8 @@ class BlockBody:
     number: int
     stand: Pose
     surface: BlockSurface
-    facet_tags: mesh.MeshTags | None = None
+    parts: tuple[BlockSurface, ...]
+    facet_tags: MeshTags | None = None
     carriers: tuple[int, ...] = ()
 
 
@@ -118,15 +121,13 @@ def _member(scene: Scene, number: int, placed: tuple[Pose, Pose], comm: MPI.Intr
     """One block: meshed upright at its place, or rigid."""
     spec = scene.blocks[number]
     upright, stand = placed
-    corners = upright(np.array(spec.shape.corners(scene.dimension)))
     if spec.model == "rigid":
         centre = np.array(spec.shape.centre_of_mass(scene.dimension))
-        block = rigid_box(spec.name, spec.shape, upright(centre[None])[0], comm=comm)
-        surface = BlockSurface(block, number, block.corners, scene.contact, shape=spec.shape)
-        return BlockBody(spec, block, number, stand, surface)
-    made = mesh_of_block(scene, spec, comm)
+        body = rigid_box(spec.name, spec.shape, upright(centre[None])[0], comm=comm)
+        return BlockBody(spec, body, number, stand, *_surfaces(scene, spec, body, number, upright))
+    made, faces = mesh_of_block(scene, spec, comm)
     move(made.mesh, upright)
-    body = meshed_body(
+    elastic = meshed_body(
         scene,
         spec.name,
         made,
@@ -136,8 +137,40 @@ def _member(scene: Scene, number: int, placed: tuple[Pose, Pose], comm: MPI.Intr
         damping=scene.damping_of(spec),
         density=relative_density(spec, made.mesh, upright(np.zeros((1, scene.dimension)))[0]),
     )
-    surface = BlockSurface(body, number, corners, scene.contact, made.facet_tags, shape=spec.shape)
-    return BlockBody(spec, body, number, stand, surface, made.facet_tags)
+    surfaces = _surfaces(scene, spec, elastic, number, upright, faces, made.facet_tags)
+    return BlockBody(spec, elastic, number, stand, *surfaces, made.facet_tags)
+
+
+def _surfaces(
+    scene: Scene,
+    spec: BlockSpec,
+    body: ElasticBody | RigidBox,
+    number: int,
+    upright: Pose,
+    faces: Sequence[BodyFaces] = (),
+    facet_tags: MeshTags | None = None,
+) -> tuple[BlockSurface, tuple[BlockSurface, ...]]:
+    """The surface of a block's hull, and those of its parts.
+
+    Args:
+        scene: The scene.
+        spec: The block.
+        body: As a body, upright at its place.
+        number: In the system.
+        upright: Moves it there from its own frame.
+        faces: Those of the hull and of parts on its mesh; none: those of its shape.
+        facet_tags: The tags of the mesh.
+    """
+    d, is_box = scene.dimension, spec.shape.solid is None
+    own = faces or faces_of_block(spec.shape, d)
+    ends, by = upright(np.array(spec.shape.bottom_corners(d))), upright(np.zeros((1, d)))[0]
+    hull, *parts = (
+        BlockSurface(
+            body, number, each.moved(by), scene.contact, facet_tags, ends=ends, is_box=is_box
+        )
+        for each in own
+    )
+    return hull, tuple(parts) or (hull,)
 
 
 def _standing(
@@ -165,7 +198,8 @@ def _meetings(
         else:
             if not {one.spec.name, other.spec.name} & {*one.spec.carriers, *other.spec.carriers}:
                 first, second = sorted((one, other), key=_fineness, reverse=True)
-                yield FacePair(first.surface, second.surface, law)
+                for own, others in product(first.parts, second.parts):
+                    yield FacePair(own, others, law)
     for member in members:
         if member.spec.carrier != "foundation":
             law = laws.between(member.spec.name, "foundation")[0]
@@ -177,8 +211,8 @@ def _fineness(member: BlockBody) -> float:
     spec = member.spec
     if spec.model == "rigid":
         return 0.0
-    if spec.given_shape is not None:
-        return 1.0 / spec.cell_size
+    if not spec.is_box:
+        return 1.0 / spec.cell_edge
     return max(spec.cells[0] / spec.width, spec.cells[-1] / spec.height)
 
 

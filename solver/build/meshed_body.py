@@ -7,33 +7,78 @@ from collections.abc import Sequence
 from mpi4py import MPI
 
 import numpy as np
+import ufl
 from dolfinx import fem, mesh
+from dolfinx.fem import assemble_scalar
 
-from geometry.density import LinearDensity
+from geometry.body_faces import BodyFaces
+from geometry.body_mesh import body_mesh, cells_of_parts, cells_of_surface
+from geometry.cells import Cells
+from geometry.density import FootedDensity, LinearDensity, PiecewiseDensity
 from geometry.gmsh_model import MeshedBody
 from geometry.mesh import block_mesh, shape_mesh
+from geometry.mesh_file import STEPS, cells_of_step
 from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody, GroundSpring, Support
 from solver.bodies.elastic_forms import Region
 from solver.bodies.flutter import SlidingModes, sliding_modes
+from solver.errors import Statement
 from solver.scene import BlockSpec, Scene
 from solver.scene.damping import DampingSpec
 from solver.scene.material import Material
+from solver.scene.quantities import Dimension
 from solver.types import Array
 
 
-def mesh_of_block(scene: Scene, block: BlockSpec, comm: MPI.Intracomm) -> MeshedBody:
-    """The mesh of an elastic block of a scene, in its own frame; collective."""
-    if block.shape.solid is not None:
-        return shape_mesh(block.shape.solid.parts[0], block.cell_size, comm)
-    return block_mesh(
-        block.shape,
-        dimension=scene.dimension,
-        cells=block.cells,
-        cell=block.cell,
-        refinement=block.refinement,
-        comm=comm,
-    )
+def mesh_of_block(
+    scene: Scene, block: BlockSpec, comm: MPI.Intracomm
+) -> tuple[MeshedBody, tuple[BodyFaces, ...]]:
+    """The mesh of an elastic block of a scene, in its own frame; collective.
+
+    With the faces that contact sees, of its hull and of its parts; none where they are those of its
+    shape.
+
+    Raises:
+        SceneError: Gmsh makes no mesh of its shape.
+    """
+    solid = block.shape.solid
+    if solid is None:
+        made = block_mesh(
+            block.shape,
+            dimension=scene.dimension,
+            cells=block.cells,
+            cell=block.cell,
+            refinement=block.refinement,
+            comm=comm,
+        )
+        return made, ()
+    if solid.is_convex and solid.surface is None:
+        return shape_mesh(solid.parts[0], block.cell_size, comm), ()
+    parts = () if solid.surface is not None else solid.parts
+    try:
+        found = body_mesh(
+            block.name, lambda: _cells(block, scene.dimension), scene.dimension, parts, comm
+        )
+    except ValueError as error:
+        raise Statement(f"{block.name}.shape:", str(error)) from None
+    return found.made, found.faces
+
+
+def _cells(block: BlockSpec, dimension: Dimension) -> Cells:
+    """The cells of an elastic block that is neither a box nor convex, in its own frame."""
+    shape, solid = block.given_shape, block.shape.solid
+    assert solid is not None
+    if solid.surface is None:
+        return cells_of_parts(solid.parts, block.cell_size)
+    assert shape is not None
+    if shape.file is None:
+        raise ValueError("got a union with a file, allowed a file, or a union of other shapes")
+    if shape.is_mesh:
+        return shape.cells().moved(block.shift(dimension))
+    if shape.file.suffix.lower() in STEPS:
+        cells = cells_of_step(shape.file, shape.scale, block.cell_size)
+        return cells.moved(block.shift(dimension))
+    return cells_of_surface(solid.surface, block.cell_size)
 
 
 def meshed_body(
@@ -91,26 +136,50 @@ def relative_density(block: BlockSpec, domain: mesh.Mesh, origin: Array) -> fem.
     """
     given, d = block.relative_density(), domain.geometry.dim
     if given is None:
-        return None
+        return _of_mesh(block, domain)
+    nodes = domain.geometry.x[domain.geometry.dofmap][:, :, :d] - origin
+    simplices = domain.basix_cell().name in ("triangle", "tetrahedron")
     if isinstance(given, LinearDensity):
         found = fem.Function(fem.functionspace(domain, ("Lagrange", 1)))
         points = found.function_space.tabulate_dof_coordinates()[:, :d]
         found.x.array[:] = given.at(points - origin)
         return found
+    if isinstance(given, FootedDensity):
+        found = fem.Function(fem.functionspace(domain, ("DG", 1)))
+        found.x.array[found.function_space.dofmap.list.ravel()] = given.at_vertices(nodes).ravel()
+        return found
     found = fem.Function(fem.functionspace(domain, ("DG", 0)))
-    nodes = domain.geometry.x[domain.geometry.dofmap][:, :, :d] - origin
-    simplices = domain.basix_cell().name in ("triangle", "tetrahedron")
-    found.x.array[found.function_space.dofmap.list.ravel()] = given.means(
-        nodes, simplices=simplices
-    )
+    cells = found.function_space.dofmap.list.ravel()
+    if isinstance(given, PiecewiseDensity):
+        found.x.array[cells] = given.means(nodes)
+    else:
+        found.x.array[cells] = given.means(nodes, simplices=simplices)
+    return found
+
+
+def _of_mesh(block: BlockSpec, domain: mesh.Mesh) -> fem.Function | None:
+    """The density by which a mesh that fills its surface not quite has all of its mass.
+
+    None where there is no surface, or the mesh has its volume.
+    """
+    solid = block.shape.solid
+    if solid is None or solid.surface is None:
+        return None
+    own = assemble_scalar(fem.form(fem.Constant(domain, 1.0) * ufl.dx(domain)))
+    factor = solid.volume / domain.comm.allreduce(own)
+    if abs(factor - 1) < 1e-12:
+        return None
+    found = fem.Function(fem.functionspace(domain, ("DG", 0)))
+    found.x.array[:] = factor
     return found
 
 
 def modes_of_sliding(scene: Scene, block: BlockSpec) -> SlidingModes:
     """The modes of an elastic block of a scene that slides; on every rank for itself."""
     d = scene.dimension
-    made = mesh_of_block(scene, block, MPI.COMM_SELF)
-    base = made.facet_tags.find(FacetTag.BOTTOM)
+    made, faces = mesh_of_block(scene, block, MPI.COMM_SELF)
+    below = faces[0].points[FacetTag.BOTTOM] if faces else {int(FacetTag.BOTTOM)}
+    base = made.facet_tags.indices[np.isin(made.facet_tags.values, list(below))]
     body = meshed_body(
         scene,
         block.name,

@@ -68,6 +68,7 @@ class NodePoints:
 
     Attributes:
         layer: Nodes of the body, these among them.
+        positions: Undeformed positions of all nodes of the layer, (n, d), m.
         numbers: Where they stand in what the layer reaches.
     """
 
@@ -80,7 +81,7 @@ class NodePoints:
         chosen: Indices | None = None,
     ):
         """Take nodes of a layer, all or some; their undeformed `positions`, m, are (n, d)."""
-        self.body, self.layer = body, layer
+        self.body, self.layer, self.positions = body, layer, positions
         self.chosen = np.arange(layer.size) if chosen is None else chosen
         self._all = chosen is None
         self.numbers: Indices = layer.numbers(self.chosen)

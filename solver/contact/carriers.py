@@ -183,8 +183,8 @@ class Face(FacetCarrier):
         reference_frame: Those of the undeformed face.
         degree: Polynomial degree on a facet.
         margin: Part of a facet by which points may be beyond its edge.
-        ring: Corners around a face in space that is no rectangle, (n, 3), m, anticlockwise from
-            outside, in the undeformed body; else None.
+        rings: Corners around the pieces of a face, (n, d), m, anticlockwise from outside, in the
+            undeformed body; None where it is one side in the plane, or a rectangle in space.
         length: Of the longest side of the face, m.
         facet: Length of its smallest facet, m.
     """
@@ -197,7 +197,7 @@ class Face(FacetCarrier):
         cell: str,
         degree: int = 1,
         margin: float = 1e-9,
-        ring: Array | None = None,
+        rings: tuple[Array, ...] | None = None,
     ):
         """Take the nodes of the face and of each facet, (facets, k), in the plane in their order.
 
@@ -205,7 +205,7 @@ class Face(FacetCarrier):
         "triangle" or "quadrilateral". Points may be beyond an edge by the margin, a part of a
         facet; negative: must be inside.
         """
-        self.margin, self.ring = margin, ring
+        self.margin, self.rings = margin, rings
         if cell == "interval" and degree == 2:
             facets = facets[:, [0, 2, 1]]  # as basix counts them: ends first
         frame = np.ascontiguousarray(frame)

@@ -17,6 +17,7 @@ the other work exactly f . (y_{n+1} - y_n). The frames (n, t) stand still within
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -52,14 +53,43 @@ def distance_inside(places: Array, ring: Array) -> Array:
     return np.asarray(np.min(depth * _sense(ring), axis=1))
 
 
+def distance_to_edges(places: Array, ring: Array) -> Array:
+    """Distance of places along a face, (m, t), from the edges of a polygon, (n, t), m.
+
+    On a line (t = 1) from the nearest of its points.
+    """
+    if ring.shape[1] == 1:
+        return np.asarray(np.abs(places - ring.T).min(axis=1))
+    ways = np.roll(ring, -1, axis=0) - ring
+    off = places[:, None] - ring
+    part = np.einsum("mni,ni->mn", off, ways) / np.sum(ways**2, axis=1)
+    apart = off - np.clip(part, 0.0, 1.0)[..., None] * ways
+    return np.asarray(np.linalg.norm(apart, axis=2).min(axis=1))
+
+
 def _sense(ring: Array) -> float:
-    """1 where the corners of a convex polygon, (n, 2), stand anticlockwise, else -1."""
+    """1 where the corners of a polygon, (n, 2), stand anticlockwise, else -1."""
     (x, y), (further, higher) = ring.T, np.roll(ring, -1, axis=0).T
     return float(np.sign(np.sum(x * higher - y * further)))
 
 
+def _edges_of(level: Array, rings: Sequence[Array] | None) -> tuple[Array, Array]:
+    """Begins and ends of the edges around a face along its tangents, anticlockwise, (count, 2).
+
+    Args:
+        level: Places of the nodes on the outline.
+        rings: Corners around the pieces of the face, that of the outermost first; None: it is the
+            rectangle around the nodes.
+    """
+    given = [rectangle_around(level)] if rings is None else list(rings)
+    if _sense(given[0]) < 0:
+        given = [ring[::-1] for ring in given]
+    ends = [np.roll(ring, -1, axis=0) for ring in given]
+    return np.concatenate(given), np.concatenate(ends)
+
+
 class Outline:
-    """The edges of a convex face, counterclockwise as seen from above (along its frame).
+    """The edges of a flat face, counterclockwise as seen from above (along its frame).
 
     Attributes:
         points: The nodes on the outline.
@@ -67,39 +97,52 @@ class Outline:
         corners: Numbers of the nodes at which the edges begin, (count,).
     """
 
-    def __init__(self, points: FacePoints, degree: int, frame: Array, ring: Array | None = None):
+    def __init__(
+        self,
+        points: FacePoints,
+        degree: int,
+        frame: Array,
+        rings: tuple[Array, ...] | None = None,
+    ):
         """Take the nodes on the outline; between them it has a polynomial degree of 1 or 2.
 
         The frame has the normal of who sees it from above and the tangents, in the undeformed body.
-        The ring has the corners there, (n, 3), m; None: of a rectangle along the frame.
+        The rings have the corners there, (n, 3), m; None: of a rectangle along the frame.
         """
         self.points, self._degree = points, degree
         level = points.reference @ frame[1:].T
-        begin = rectangle_around(level) if ring is None else ring @ frame[1:].T
-        if _sense(begin) < 0:
-            begin = begin[::-1]
-        self.count, near = len(begin), 1e-9 * float(np.ptp(level, axis=0).max())
+        near = 1e-9 * float(np.ptp(level, axis=0).max())
+        begins, ends = _edges_of(level, None if rings is None else [r @ frame[1:].T for r in rings])
+        self.count = len(begins)
         pieces: list[Indices] = []
-        begins: list[float] = []
+        starts: list[float] = []
         lengths: list[float] = []
         corners: list[int] = []
-        ways = np.roll(begin, -1, axis=0) - begin
-        ways = ways / np.linalg.norm(ways, axis=1)[:, None]
-        for edge, start in enumerate(begin):
+        finals: list[int] = []
+        ways = ends - begins
+        sizes = np.linalg.norm(ways, axis=1)
+        ways = ways / sizes[:, None]
+        for edge, start in enumerate(begins):
             along, off = ways[edge], level - start
-            on = np.flatnonzero(np.abs(along[0] * off[:, 1] - along[1] * off[:, 0]) < near)
-            chain = on[np.argsort(off[on] @ along)]
-            place = off[chain] @ along
+            far = off @ along
+            on = np.flatnonzero(
+                (np.abs(along[0] * off[:, 1] - along[1] * off[:, 0]) < near)
+                & (far > -near)
+                & (far < sizes[edge] + near)
+            )
+            chain = on[np.argsort(far[on])]
+            place = far[chain]
             place = (place - place[0]) / (place[-1] - place[0])
             for k in range(0, len(chain) - 1, degree):
                 pieces.append(chain[k : k + degree + 1])
-                begins.append(edge + place[k])
+                starts.append(edge + place[k])
                 lengths.append(place[k + degree] - place[k])
             corners.append(int(chain[0]))
+            finals.append(int(chain[-1]))
         self.corners: Indices = np.array(corners)
-        self._ends: Indices = np.roll(self.corners, -1)
+        self._ends: Indices = np.array(finals)
         self._pieces: Indices = np.array(pieces, dtype=np.int64)
-        self._begins, self._lengths = np.array(begins), np.array(lengths)
+        self._begins, self._lengths = np.array(starts), np.array(lengths)
         self._first = np.searchsorted(self._begins, np.arange(float(self.count)))
         self._last = np.append(self._first[1:], len(pieces)) - 1
 

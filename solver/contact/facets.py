@@ -264,30 +264,34 @@ class Facets:
     """Shape of the facets: "interval", "triangle" or "quadrilateral"."""
 
 
-def carrier_surface(V: fem.FunctionSpace, facet_tags: mesh.MeshTags, tag: int) -> Facets:
-    """The face `tag` of a body, whose displacement has degree 1 or 2, as a carrier; collective.
+def carrier_surface(V: fem.FunctionSpace, facet_tags: mesh.MeshTags, *tags: int) -> Facets:
+    """The facets of a body with some tags as a carrier; collective.
+
+    The displacement has degree 1 or 2.
 
     Raises:
-        ValueError: For other degrees, for a face without facets, and in the plane for a face that
-            is not one piece with two ends.
+        ValueError: For other degrees, without such facets, and in the plane where they go round in
+            a circle.
     """
     degree, domain = V.ufl_element().degree, V.mesh
     if degree not in (1, 2):
         raise ValueError(f"carrier_surface: got degree {degree}, allowed 1 or 2")
-    chosen = facet_tags.indices[facet_tags.values == tag]
-    tags = mesh.meshtags(domain, facet_tags.dim, chosen, np.full(len(chosen), tag, np.int32))
-    mine = _outward_nodes(V, tagged_sides(domain, tags), degree)
+    chosen = facet_tags.indices[np.isin(facet_tags.values, tags)]
+    marked = mesh.meshtags(domain, facet_tags.dim, chosen, np.zeros(len(chosen), np.int32))
+    mine = _outward_nodes(V, tagged_sides(domain, marked), degree)
     everything = domain.comm.allgather(mine)
     numbers, places = (np.concatenate(part) for part in zip(*everything, strict=True))
     if not len(numbers):
-        raise ValueError(f"carrier_surface: the body has no facets with tag {tag}")
+        raise ValueError(
+            f"carrier_surface: the body has no facets with tags {tuple(map(int, tags))}"
+        )
     scale = extent(domain)
     nodes, positions, layer = shared_layer(V, numbers, places, scale)
     order = np.lexsort(np.round(places.mean(axis=1) / scale, 9).T[::-1])
     if domain.topology.dim == 2:
         # From basix's order (ends first) to that along the facet.
         nodes = nodes[:, [0, *range(2, degree + 1), 1]]
-        order = _chain(nodes[:, 0], nodes[:, -1])
+        order = _chains(nodes[:, 0], nodes[:, -1], positions)
     kind = facet_kind(domain.basix_cell()).name
     return Facets(nodes=nodes[order], positions=positions, layer=layer, degree=degree, cell=kind)
 
@@ -338,13 +342,61 @@ def _nearest(places: Array, wanted: Array) -> Indices:
     return nearest
 
 
-def _chain(first: Indices, last: Indices) -> Indices:
-    """Order in which facets follow one another, from the one that no other ends at."""
+def _chains(first: Indices, last: Indices, positions: Array) -> Indices:
+    """Order in which facets follow one another, each chain from one that no other ends at.
+
+    Chains follow in the direction from the first to the last node of facets.
+    """
     follower = {int(node): facet for facet, node in enumerate(first)}
     starts = np.flatnonzero(~np.isin(first, last))
-    order = [int(starts[0])] if len(starts) == 1 else []
-    while order and int(last[order[-1]]) in follower:
-        order.append(follower[int(last[order[-1]])])
+    along = np.sum(positions[last] - positions[first], axis=0)
+    order: list[int] = []
+    for start in starts[np.argsort(positions[first[starts]] @ along, kind="stable")]:
+        order.append(int(start))
+        while int(last[order[-1]]) in follower:
+            order.append(follower[int(last[order[-1]])])
     if len(order) != len(first):
-        raise ValueError("carrier_surface: the facets are not one piece with two ends")
+        raise ValueError("carrier_surface: got facets that go round in a circle, allowed a face")
     return np.array(order, dtype=np.int64)
+
+
+STRAIGHT = 1e-6
+"""Sine of the angle below which an outline goes straight on."""
+
+
+def outlines(surface: Facets) -> tuple[Array, ...]:
+    """Corners around the pieces of a face, (n, d), m, that around the outermost first.
+
+    In the plane the two ends of each piece.
+    """
+    nodes, places = surface.nodes, surface.positions
+    if places.shape[1] == 2:
+        starts = np.flatnonzero(~np.isin(nodes[:, 0], nodes[:, -1]))
+        ends = np.append(starts[1:], len(nodes)) - 1
+        return tuple(places[[nodes[a, 0], nodes[b, -1]]] for a, b in zip(starts, ends, strict=True))
+    ring = [0, 1, 2] if surface.cell == "triangle" else [0, 1, 3, 2]
+    facets = nodes[:, ring]
+    sides = np.stack([facets, np.roll(facets, -1, axis=1)], axis=2).reshape(-1, 2)
+    there = {(int(a), int(b)) for a, b in sides}
+    follower: dict[int, list[int]] = {}
+    for a, b in sides:
+        if (int(b), int(a)) not in there:
+            follower.setdefault(int(a), []).append(int(b))
+    found = []
+    while follower:
+        start = min(follower)
+        loop, here = [start], follower[start].pop()
+        while here != start:
+            loop.append(here)
+            here = follower[here].pop()
+        follower = {a: more for a, more in follower.items() if more}
+        found.append(_without_straight(places[loop]))
+    return tuple(sorted(found, key=lambda ring: -float(np.ptp(ring, axis=0).max())))
+
+
+def _without_straight(ring: Array) -> Array:
+    """The corners of a ring at which it turns."""
+    before, after = ring - np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0) - ring
+    turn = np.linalg.norm(np.cross(before, after), axis=1)
+    turn /= np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1)
+    return np.asarray(ring[turn > STRAIGHT])

@@ -2,7 +2,8 @@
 
 Two bodies are active while they are near, a block and what carries it at the start always: then two
 of their faces look at each other, those along whose normals they are apart, or overlap least (the
-separating axis theorem).
+separating axis theorem). Bodies that are not convex meet what carries them by the faces of their
+convex hulls, of which they may have less than all, and others by those of their convex parts.
 """
 
 from __future__ import annotations
@@ -180,9 +181,9 @@ class FacePair:
         self._only_turns = stands and not second.has_outline  # nothing else changes what is active
         self.looked: tuple[Any] | None = None
         self.slack = self.reach = 0.0
-        self._lower: dict[int, Carrier] = {}  # faces of the second body
+        self._lower: dict[int, Carrier | None] = {}  # faces of the second body
         self._own: dict[tuple[int, frozenset[int], frozenset[int]], Interface] = {}
-        self._outlines: dict[tuple[int, int], list[Interface]] = {}
+        self._outlines: dict[tuple[int, int], tuple[list[Interface], list[Interface]]] = {}
 
     # ------------------------------------------------------------- which faces
 
@@ -216,7 +217,9 @@ class FacePair:
             slack = 0.0
         turned = first.normals @ second.normals[other] < FACING
         faces = frozenset(
-            t for t, is_turned in zip(self._first.tags, turned, strict=True) if is_turned
+            t
+            for t, is_turned in zip(self._first.tags, turned, strict=True)
+            if is_turned and self._first.is_real(t)
         )
         faces |= {tag}
         if before is not None and before.second == number:
@@ -266,10 +269,10 @@ class FacePair:
     # ------------------------------------------------------------- interfaces
 
     def faces(self, active: ActiveFaces | None) -> frozenset[int]:
-        """Tags of the active faces of the first body, if they have tractions."""
+        """Tags of the facets of the active faces of the first body, if they have tractions."""
         if active is None or not isinstance(self._first.body, ElasticBody):
             return frozenset()
-        return active.faces
+        return self._first.touching(active.faces)
 
     def links(self, active: ActiveFaces | None, shared: frozenset[int]) -> tuple[Link, ...]:
         """The interfaces between the faces; collective.
@@ -278,23 +281,61 @@ class FacePair:
         """
         if active is None:
             return ()
-        if active.second not in self._lower:
-            self._lower[active.second] = self._second.face(active.second, BESIDE_CARRIED)
-        lower, faces = self._lower[active.second], self.faces(active)
-        key = active.second, faces, shared
-        if key not in self._own:
-            self._own[key] = self._first.over(lower, self._law, faces, shared=shared, bed=self._bed)
-        links = [Link(self._own[key], self.body, self.on, stands=self._stands)]
-        if isinstance(lower, Face):
+        lower, faces = self._carrier(active.second), self.faces(active)
+        links = []
+        if lower is not None and (faces or not isinstance(self._first.body, ElasticBody)):
+            key = active.second, faces, shared
+            if key not in self._own:
+                own = self._first.over(lower, self._law, faces, shared=shared, bed=self._bed)
+                self._own[key] = own
+            links.append(Link(self._own[key], self.body, self.on, stands=self._stands))
+        if isinstance(self._second, BlockSurface) or isinstance(lower, Face):
             facing = active.first, active.second
             if facing not in self._outlines:
-                upper = self._first.face(active.first, BESIDE_BELOW)
-                beside = edge_interfaces(upper, lower, self._first.thickness, self._law, self._bed)
-                self._outlines[facing] = beside
-            edge, *crossings = self._outlines[facing]
-            links.append(Link(edge, self.on, self.body, stands=self._stands))
+                self._outlines[facing] = self._beside(active.first, active.second)
+            edges, crossings = self._outlines[facing]
+            links += [Link(each, self.on, self.body, stands=self._stands) for each in edges]
             links += [Link(each, self.body, self.on, stands=self._stands) for each in crossings]
         return tuple(links)
+
+    def _carrier(self, tag: int) -> Carrier | None:
+        """A face of the second body as a carrier; None where it spans a hollow.
+
+        What stands on it has its top instead, from which slips and gaps are counted.
+        """
+        if tag not in self._lower:
+            found = self._second.face(tag, BESIDE_CARRIED)
+            if found is None and self._stands:
+                found = self._carrier(self._second.tags[self._second.top])
+            self._lower[tag] = found
+        return self._lower[tag]
+
+    def _beside(self, first: int, second: int) -> tuple[list[Interface], list[Interface]]:
+        """What the outline of a face of the second body does on a face of the first, by their tags.
+
+        Interfaces of its points, and, in space, of edges that cross. Of a face that spans a hollow
+        the corners are the points.
+        """
+        upper = self._first.face(first, BESIDE_BELOW)
+        if upper is None:
+            return [], []
+        lower, thickness = self._carrier(second), self._first.thickness
+        if isinstance(lower, Face) and self._second.is_real(second):
+            edge, *crossings = edge_interfaces(upper, lower, thickness, self._law, self._bed)
+            return [edge], crossings
+        assert isinstance(self._second, BlockSurface)
+        points, area = self._second.corners_of(second), corner_area(upper, thickness)
+        given = Interface(points, upper, self._law, bed=self._bed, corner_area=area, of_edge=True)
+        return [given], []
+
+
+def corner_area(upper: Face, thickness: float) -> float:
+    """Area that a point on the outline of a face stands for on the face above it, m2.
+
+    In the plane the thickness is that of the upper body, m.
+    """
+    d = len(upper.frame)
+    return (upper.facet / 2) ** (d - 1) * (thickness if d == 2 else 1.0)
 
 
 def edge_interfaces(
@@ -302,11 +343,10 @@ def edge_interfaces(
 ) -> list[Interface]:
     """The interface of a face's outline with the face on it; in space, that of both outlines, too.
 
-    In the plane the thickness is that of the upper body, m.
+    The thickness is that of `corner_area`.
     """
-    d = len(lower.frame)
-    area = (upper.facet / 2) ** (d - 1) * (thickness if d == 2 else 1.0)
-    outline = outline_points(lower.points, lower.reference_frame, lower.ring)
+    d, area = len(lower.frame), corner_area(upper, thickness)
+    outline = outline_points(lower.points, lower.reference_frame, lower.rings)
     found = [Interface(outline, upper, law, bed=bed, corner_area=area, of_edge=True)]
     if d == 3:
         up = lower.reference_frame[0]
@@ -332,3 +372,7 @@ class FloorSurface:
     def face(self, tag: int, margin: float) -> Carrier:
         """Its face."""
         return self._carrier
+
+    def is_real(self, tag: int) -> bool:
+        """True: it has all of its face."""
+        return True

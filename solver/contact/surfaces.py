@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 from dolfinx import mesh
 
-from geometry.block import FACES, Block
+from geometry.body_faces import BodyFaces
 from geometry.foundation import face_frame
-from geometry.tags import FacetTag, tags_of_faces
+from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.rigid_body import RigidBox
 from solver.contact.body_points import (
@@ -18,49 +20,17 @@ from solver.contact.body_points import (
     RigidPoints,
 )
 from solver.contact.carriers import Carrier, Face
-from solver.contact.edge_crossings import Outline, distance_inside
-from solver.contact.facets import carrier_surface, extent, shared_layer
+from solver.contact.edge_crossings import Outline, distance_inside, distance_to_edges
+from solver.contact.facets import carrier_surface, extent, outlines, shared_layer
 from solver.contact.hull import Hull
 from solver.contact.interface import Interface
 from solver.contact.nitsche_points import contact_points
 from solver.scene import Bed, ContactSpec, FrictionSpec
 from solver.types import Array
 
-BOX_FACES: dict[int, dict[FacetTag, tuple[int, ...]]] = {
-    2: {
-        FacetTag.BOTTOM: (0, 1),
-        FacetTag.RIGHT: (1, 2),
-        FacetTag.TOP: (2, 3),
-        FacetTag.LEFT: (3, 0),
-    },
-    3: dict(
-        zip(
-            (
-                *(FacetTag.BOTTOM, FacetTag.TOP),
-                *(FacetTag.FRONT, FacetTag.RIGHT, FacetTag.BACK, FacetTag.LEFT),
-            ),
-            FACES,
-            strict=True,
-        )
-    ),
-}
-"""Corners around each face of a block, anticlockwise from outside, as `Block.corners` has them."""
-
-
-def loops_of(shape: Block | None, dimension: int) -> dict[int, list[int]]:
-    """Tags of the faces of a block, and the corners around each, anticlockwise from outside.
-
-    Of what is no box, a convex shape, tags are those of its mesh; None: a box.
-    """
-    if shape is None or shape.solid is None:
-        return {int(tag): list(loop) for tag, loop in BOX_FACES[dimension].items()}
-    (part,) = shape.solid.parts
-    tags = tags_of_faces([float(rise) for rise in part.normals[:, -1]])
-    return {tag: list(face) for tag, face in zip(tags, part.faces, strict=True)}
-
 
 class BlockSurface:
-    """The surface of a block, elastic or rigid.
+    """The surface of a block, elastic or rigid: that of its convex hull, or of a convex part.
 
     Attributes:
         body: The block.
@@ -77,59 +47,97 @@ class BlockSurface:
         self,
         body: ElasticBody | RigidBox,
         number: int,
-        corners: Array,
+        faces: BodyFaces,
         contact: ContactSpec,
         facet_tags: mesh.MeshTags | None = None,
         *,
-        shape: Block | None = None,
+        ends: Array,
+        is_box: bool = True,
     ):
-        """Take the block, its undeformed corners, (n, d), m, and the tags of its facets.
+        """Take the block, its faces in the undeformed body, and the tags of its facets.
 
-        The shape is asked for where it is no box.
+        `ends` are the corners of the bottom farthest out there, (2 or 4, d), m.
         """
         self.body, self.number, self._contact = body, number, contact
-        self._facet_tags, self._corners = facet_tags, corners
+        self._facet_tags, self._faces, self._is_box = facet_tags, faces, is_box
         self.dimension = body.dimension
         self.thickness = body.shape.thickness if isinstance(body, RigidBox) else body.thickness
-        self._loops = loops_of(shape, self.dimension)
-        self.tags = tuple(self._loops)
+        self.tags = tuple(faces.loops)
         self.top = self.tags.index(int(FacetTag.TOP))
-        self._is_box = shape is None or shape.solid is None
-        self.below = np.arange(2 ** (self.dimension - 1))
-        if shape is not None and shape.solid is not None:
-            places, ends = (
-                np.array(some(self.dimension)) for some in (shape.corners, shape.bottom_corners)
-            )
-            self.below = np.abs(ends[:, None] - places).max(axis=2).argmin(axis=1)
+        self.below = np.abs(ends[:, None] - faces.corners).max(axis=2).argmin(axis=1)
         points: FacePoints
         if isinstance(body, ElasticBody):
-            points = nodes_at(body, corners)
+            points = nodes_at(body, faces.corners)
         else:
-            points = RigidPoints(body, corners)
-        self.hull = Hull(points, [self._loops[tag] for tag in self.tags])
+            points = RigidPoints(body, faces.corners)
+        self.hull = Hull(points, [faces.loops[tag] for tag in self.tags])
         upright = self.hull.placed(np.zeros(body.size)).normals
-        upright = np.round(upright, 0 if self._is_box else 12) + 0.0
+        upright = np.round(upright, 0 if is_box else 12) + 0.0
         upright /= np.linalg.norm(upright, axis=1)[:, None]
         self._frames = {tag: face_frame(upright[k]) for k, tag in enumerate(self.tags)}
 
-    def face(self, tag: int, margin: float) -> Face:
-        """A face as a carrier, which carries what is beyond its edge by a part of a facet."""
-        frame, corners = self._frames[tag], self._corners[self._loops[tag]]
-        ring = None if self._is_box or self.dimension == 2 else corners
+    def is_real(self, tag: int) -> bool:
+        """True if the body has some of a face, which else spans a hollow."""
+        return bool(self._faces.facets[tag])
+
+    def touching(self, faces: Iterable[int]) -> frozenset[int]:
+        """Tags of the facets whose points touch with some faces."""
+        return frozenset().union(*(self._faces.points[tag] for tag in faces))
+
+    def face(self, tag: int, margin: float) -> Face | None:
+        """A face as a carrier, which carries what is beyond its edge by a part of a facet.
+
+        None where it spans a hollow and carries nothing.
+        """
+        if not self.is_real(tag):
+            return None
+        frame, faces = self._frames[tag], self._faces
         if isinstance(self.body, ElasticBody):
             assert self._facet_tags is not None
-            surface = carrier_surface(self.body.space, self._facet_tags, tag)
+            surface = carrier_surface(self.body.space, self._facet_tags, *faces.facets[tag])
             nodes = NodePoints(self.body, surface.layer, surface.positions)
+            rings: tuple[Array, ...] | None = None
+            if not faces.is_whole:
+                rings = outlines(surface)
+            elif not self._is_box and self.dimension == 3:
+                rings = (faces.ring(tag),)
             cell, degree = surface.cell, surface.degree
-            return Face(nodes, surface.nodes, frame, cell, degree, margin, ring)
-        if ring is not None:  # a fan of triangles
-            fan = np.array([[0, k, k + 1] for k in range(1, len(ring) - 1)])
-            return Face(RigidPoints(self.body, ring), fan, frame, "triangle", 1, margin, ring)
+            return Face(nodes, surface.nodes, frame, cell, degree, margin, rings)
+        if not self._is_box:
+            return self._rigid_face(faces.patches[tag], frame, margin)
+        corners = faces.ring(tag)
         # In the order of basix: the first tangent runs fastest.
-        order = np.lexsort(np.round((corners @ frame[1:].T) / np.ptp(self._corners), 9).T)
+        order = np.lexsort(np.round((corners @ frame[1:].T) / np.ptp(faces.corners), 9).T)
         points = RigidPoints(self.body, corners[order])
         cell = "interval" if self.dimension == 2 else "quadrilateral"
         return Face(points, np.arange(len(corners))[None], frame, cell, 1, margin)
+
+    def _rigid_face(self, patches: tuple[Array, ...], frame: Array, margin: float) -> Face:
+        """Where a rigid body that is no box has a face: fans of triangles, in the plane sides."""
+        assert isinstance(self.body, RigidBox)
+        if self.dimension == 2:
+            sides = [ring[np.argsort(ring @ frame[1])] for ring in patches]
+            sides.sort(key=lambda side: float(side[0] @ frame[1]))
+            points = RigidPoints(self.body, np.concatenate(sides))
+            facets = np.arange(2 * len(sides)).reshape(-1, 2)
+            return Face(points, facets, frame, "interval", 1, margin, patches)
+        fans, first = list[list[int]](), 0
+        for ring in patches:
+            fans += [[first, first + k, first + k + 1] for k in range(1, len(ring) - 1)]
+            first += len(ring)
+        points = RigidPoints(self.body, np.concatenate(patches))
+        return Face(points, np.array(fans), frame, "triangle", 1, margin, patches)
+
+    def corners_of(self, tag: int) -> FacePoints:
+        """The corners of a face."""
+        chosen = np.array(self._faces.loops[tag])
+        points = self.hull.points
+        if isinstance(points, NodePoints):
+            return NodePoints(
+                points.body, points.layer, points.positions, chosen=points.chosen[chosen]
+            )
+        assert isinstance(self.body, RigidBox)
+        return RigidPoints(self.body, self._faces.corners[chosen])
 
     def over(
         self,
@@ -140,13 +148,13 @@ class BlockSurface:
         shared: frozenset[int] = frozenset(),
         bed: Bed | None = None,
     ) -> Interface:
-        """The interface of the points of some faces with a carrier; collective.
+        """The interface of the points of some facets, by their tags, with a carrier; collective.
 
-        The theta term of faces that are `shared` stands in another interface. A rigid block has all
-        its points in it.
+        The theta term of facets that are `shared` stands in another interface. A rigid block has
+        all its points in it.
         """
         if isinstance(self.body, RigidBox):
-            points = RigidPoints(self.body, *rigid_points(self.body, carrier))
+            points = RigidPoints(self.body, *self._rigid_points(carrier))
             return Interface(points, carrier, law, bed=bed)
         assert self._facet_tags is not None
         how = self._contact
@@ -159,6 +167,13 @@ class BlockSurface:
             contact_points(space, tags, self.body.material, points=how.points, gamma=how.gamma),
         )
         return Interface(own, carrier, law, theta=how.theta, bed=bed, shared=shared)
+
+    def _rigid_points(self, carrier: Carrier) -> tuple[Array, Array]:
+        """Points of a rigid block that may touch, and the area that each stands for, m2."""
+        assert isinstance(self.body, RigidBox)
+        if self._is_box:
+            return rigid_points(self.body, carrier)
+        return points_of_shape(self.body, self._faces, carrier)
 
 
 def nodes_at(body: ElasticBody, places: Array) -> NodePoints:
@@ -181,11 +196,7 @@ def rigid_points(body: RigidBox, carrier: Carrier) -> tuple[Array, Array]:
     They are its corners, on facets that deform also a grid on its bottom, no closer than the
     facets: forces of more points than there are nodes below are not unique. Those of the top stand
     for as much as those of the bottom: they touch where the block lies on its back.
-
-    Of what is no box all stand for the same area, that of the bottom over the number of them there.
     """
-    if body.shape.solid is not None:
-        return _points_of_shape(body, carrier)
     sides = np.ptp(body.bottom, axis=0)[:-1]
     counts = [1] * len(sides)
     if isinstance(carrier, Face) and not isinstance(carrier.points, FixedPoints):
@@ -202,42 +213,59 @@ def rigid_points(body: RigidBox, carrier: Carrier) -> tuple[Array, Array]:
     return np.vstack([body.corners, grid]), np.concatenate([corners, area[between]])
 
 
-def _points_of_shape(body: RigidBox, carrier: Carrier) -> tuple[Array, Array]:
-    """Points of a rigid block that is no box, and the area that each stands for, m2."""
-    ring = body.bottom
-    grid = np.empty((0, body.dimension))
-    if isinstance(carrier, Face) and not isinstance(carrier.points, FixedPoints):
-        low, sides = ring.min(axis=0)[:-1], np.ptp(ring, axis=0)[:-1]
-        counts = [max(1, int(side / carrier.facet + 1e-9)) for side in sides]
-        lines = [np.linspace(0, 1, count + 1) for count in counts]
-        fractions = np.stack(np.meshgrid(*lines, indexing="ij"), -1).reshape(-1, len(sides))
-        places = low + fractions * sides
-        if body.dimension == 2:
-            inside = (fractions[:, 0] > 0) & (fractions[:, 0] < 1)
-        else:  # by half a facet: nearer ones are those of the corners
-            inside = distance_inside(places, ring[:, :-1]) > 0.5 * carrier.facet
-        grid = np.column_stack([places[inside], np.full(inside.sum(), ring[:, -1].mean())])
-    points = np.vstack([body.corners, grid])
-    area = body.shape.bottom_area / (len(ring) + len(grid))
+def points_of_shape(body: RigidBox, faces: BodyFaces, carrier: Carrier) -> tuple[Array, Array]:
+    """Points of a rigid block that is no box, and the area that each stands for, m2.
+
+    All stand for the same area, that of the bottom over the number of them there.
+    """
+    places, count = [faces.corners], 0
+    for ring in faces.patches[int(FacetTag.BOTTOM)]:
+        count += len(ring)
+        far = np.abs(ring[:, None] - faces.corners).max(axis=2).min(axis=1)
+        places.append(ring[far > 1e-9 * np.ptp(faces.corners)])  # corners within the hull
+        if isinstance(carrier, Face) and not isinstance(carrier.points, FixedPoints):
+            places.append(_grid_on(ring, carrier.facet))
+            count += len(places[-1])
+    points = np.vstack(places)
+    area = body.shape.bottom_area / max(count, 1)
     return points, np.full(len(points), area)
 
 
-def outline_points(points: FacePoints, frame: Array, ring: Array | None = None) -> FacePoints:
+def _grid_on(ring: Array, facet: float) -> Array:
+    """Points on a level face of these corners, (n, d), m, no closer than facets, m."""
+    low, sides = ring.min(axis=0)[:-1], np.ptp(ring, axis=0)[:-1]
+    counts = [max(1, int(side / facet + 1e-9)) for side in sides]
+    lines = [np.linspace(0, 1, count + 1) for count in counts]
+    fractions = np.stack(np.meshgrid(*lines, indexing="ij"), -1).reshape(-1, len(sides))
+    places = low + fractions * sides
+    if ring.shape[1] == 2:
+        inside = (fractions[:, 0] > 0) & (fractions[:, 0] < 1)
+    else:  # by half a facet: nearer ones are those of the corners
+        inside = distance_inside(places, ring[:, :-1]) > 0.5 * facet
+    return np.column_stack([places[inside], np.full(inside.sum(), ring[:, -1].mean())])
+
+
+def outline_points(
+    points: FacePoints, frame: Array, rings: tuple[Array, ...] | None = None
+) -> FacePoints:
     """Points of a face that lie on its outline: of what cannot bend, its corners.
 
     Args:
         points: Of the face.
         frame: Rows normal and tangents of the undeformed face.
-        ring: Corners around it in space, (n, 3), m; None: it is a rectangle along the frame.
+        rings: Corners around its pieces, (n, d), m; None: it is one, and a rectangle along the
+            frame.
     """
     if isinstance(points, RigidPoints):
         return points
     along = points.reference @ frame[1:].T
-    if ring is not None:
+    if rings is not None:
         assert isinstance(points, NodePoints)
-        inside = np.abs(distance_inside(along, ring @ frame[1:].T))
-        outline = np.flatnonzero(inside < 1e-9 * np.ptp(along, axis=0).max())
-        return NodePoints(points.body, points.layer, points.reference, chosen=outline)
+        near = 1e-9 * np.ptp(along, axis=0).max()
+        off = np.min([distance_to_edges(along, ring @ frame[1:].T) for ring in rings], axis=0)
+        return NodePoints(
+            points.body, points.layer, points.reference, chosen=np.flatnonzero(off < near)
+        )
     near = 1e-9 * np.ptp(along, axis=0)
     low, high = along.min(axis=0) + near, along.max(axis=0) - near
     extreme = (along < low) | (along > high)
@@ -252,5 +280,5 @@ def outline_of(face: Face, up: Array) -> Outline:
     frame = face.reference_frame
     if up @ frame[0] < 0:
         frame = np.array([-frame[0], frame[1], -frame[2]])
-    points = outline_points(face.points, frame, face.ring)
-    return Outline(points, face.degree, frame, face.ring)
+    points = outline_points(face.points, frame, face.rings)
+    return Outline(points, face.degree, frame, face.rings)

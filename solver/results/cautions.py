@@ -57,6 +57,7 @@ def cautions_of_input(scene: Scene, ground: GroundMotion) -> list[str]:
     return [
         *_densities(scene),
         *_hulls(scene),
+        *_hollows(scene),
         *_soft_materials(scene),
         *_gravity(scene),
         *_friction_jumps(scene),
@@ -96,12 +97,35 @@ def _hulls(scene: Scene) -> list[str]:
         solid, spec = block.shape.solid, block.given_shape
         if solid is None or spec is None or not solid.hull_excess > LARGEST_EXCESS:
             continue
-        seen = "its convex hull" if len(solid.parts) == 1 else "convex parts"
-        found.append(
-            f"contacts see {block.name} larger than its surface by {percent(solid.hull_excess)} % "
-            f"of its volume, as {seen}: others touch it where it is hollow"
-            + ("; give parts as shape.union" if spec.kind == "file" else "")
-        )
+        excess = f"larger by {percent(solid.hull_excess)} % of its volume"
+        if block.model == "elastic":
+            seen = f"{block.name} where its surface is on its convex hull, which is {excess}: "
+            seen += "nothing touches it where it is hollow"
+        else:
+            what = "its convex hull" if len(solid.parts) == 1 else "convex parts"
+            seen = f"{block.name} as {what}, {excess}: others touch it where it is hollow"
+        parts = "; give parts as shape.union" if spec.kind == "file" else ""
+        found.append(f"contacts see {seen}{parts}")
+    return found
+
+
+def _hollows(scene: Scene) -> list[str]:
+    """Blocks that stand on others, meshed, which meet by their hulls though they are not convex."""
+    if scene.is_rigid:
+        return []
+    known = {block.name: block for block in scene.blocks}
+    found = []
+    for upper in scene.blocks:
+        for lower in (known[name] for name in upper.carriers if name in known):
+            narrow = lower.width < upper.width or lower.thickness < upper.thickness
+            for block, counts in ((lower, True), (upper, narrow)):
+                solid = block.shape.solid
+                if counts and solid is not None and len(solid.parts) > 1:
+                    found.append(
+                        f"{upper.name} and {lower.name}, which carries it, meet by the faces of"
+                        f" their convex hulls, beside a meshed body: they do not touch within the"
+                        f" hollows of {block.name}"
+                    )
     return found
 
 

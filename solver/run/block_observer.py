@@ -33,6 +33,9 @@ from solver.types import Array, Indices, Mask
 STEEPEST = 0.5
 """Upward component of the normal of what bears a block."""
 
+ON_FOOT = 1e-3
+"""Part of a block's size: points no farther from an undeformed foot are on it."""
+
 LEVEL = 1e-9
 """Points are equally low within this part of a block's size: which of them counts is not chance."""
 
@@ -74,6 +77,11 @@ class BlockObserver:
         self._set_interface()
         self._known = self._first_reference(state)
         self._order_reference()
+        self._frame = self._interface.carrier.frame
+        count = member.spec.shape.feet
+        feet = [foot.hull.points.reference for foot in member.parts[len(member.parts) - count :]]
+        near = ON_FOOT * member.spec.shape.half_diagonal
+        self._feet = [(foot.min(axis=0) - near, foot.max(axis=0) + near) for foot in feet]
 
     def _take(self, links: Sequence[Link]) -> None:
         """Take the interfaces that are active now."""
@@ -150,10 +158,32 @@ class BlockObserver:
         row[self._gaps] = height
         numbers = self._number, *others
         row[self._at.penetration_m] = max(self._penetration(state, n) for n in numbers)
-        row[self._forces] = np.add.reduce(memory.force)
+        row[self._forces], self._frame = np.add.reduce(memory.force), carrier.frame
         if others or lost or carrier is not self._interface.carrier:
             frame = level_frame(len(self._forces)) if lost else carrier.frame
-            row[self._forces] = self._force(state, others, frame)
+            row[self._forces], self._frame = self._force(state, others, frame), frame
+
+    def write_feet(self, state: State, rows: Array) -> None:
+        """Fill in the forces on the feet, (feet, d), in the frame of those on the block."""
+        if not self._feet:
+            return
+        rows[:] = 0.0
+        own = self._member.number
+        motion = state.rigid_motion(self._stepper.system, own)
+        centre = self._member.body.centre
+        for number in (self._number, *self._others):
+            link, memory = self._links[number], state.contacts[number]
+            if memory.clear:
+                continue
+            place = memory.surface.position
+            if memory.kinematics.own_projection is not None:
+                place = memory.kinematics.own_projection.carried(place)
+            place = centre + (place - centre - motion.moved) @ motion.rotation
+            sign = 1.0 if link.body == own else -1.0
+            force = sign * in_space(memory.force, memory.kinematics.frame) @ self._frame.T
+            for row, (low, high) in zip(rows, self._feet, strict=True):
+                on = ((place >= low) & (place <= high)).all(axis=1)
+                row += force[on].sum(axis=0)
 
     def _home_place(self, state: State) -> SurfaceState | None:
         """Where the face is that carries the block at the start, whose frame is turned there."""

@@ -139,6 +139,8 @@ def _outline(block: BlockSpec, shape: Block) -> Lines:
     if (surface := solid.surface) is not None:
         more = solid.hull_excess
         how = "convex hull" if count == 1 else parts
+        if block.model == "elastic":
+            how = "faces that its mesh shares with its convex hull"
         text = f"{len(surface.triangles)} triangles; contacts see its {how}, "
         text += f"{percent(abs(more))} % {'larger' if more >= 0 else 'smaller'}"
         if solid.coarse:
@@ -233,7 +235,7 @@ def damping_of_block(block: BlockSpec, scene: Scene) -> Lines:
         return [("  damping", "none")]
     frequency = scene.bending_frequency(block)
     ratio = f"{100 * damping.ratio(frequency):.2g} % of critical"
-    whose = "its first" if block.given_shape is None else "of the box around it the first"
+    whose = "its first" if block.is_box else "of the box around it the first"
     mode = f"{frequency / (2 * math.pi):.3g} Hz, {whose} bending mode, held at its base"
     return [("  damping", f"{', '.join(given)}: {ratio} at {mode}")]
 

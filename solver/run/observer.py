@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from operator import attrgetter
 from typing import Any
 
@@ -11,7 +11,7 @@ import numpy as np
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.reduced_body import ReducedBody
 from solver.bodies.rigid_body import Oscillator
-from solver.build.assembly import Assembly
+from solver.build.assembly import Assembly, BlockBody
 from solver.build.foundation import FoundationBody
 from solver.history.columns import (
     DISSIPATED_ENERGIES,
@@ -74,6 +74,7 @@ class Observer:
             second=d == 3,
             structure=None if self._structure is None else self._structure.parts,
             links={link.name: not link.is_axial for link in links},
+            feet={name: member.spec.shape.feet for name, member in members.items()},
         )
         self._links = LinkRows(links, self._columns, d) if links else None
         self._layout = row_layout(len(members), dimension=d, platform=moves)
@@ -81,6 +82,10 @@ class Observer:
         self._written = np.array([self._columns.index(name) for name in names])
         self._row = np.full(len(self._columns), np.nan)  # filled anew at every step
         self._run = positions("run", d)
+        self._feet = [  # those of each block stand one after another
+            self._row[first : first + count * d].reshape(count, d)
+            for first, count in self._feet_of(members)
+        ]
         layout = self._layout
         starts = layout.block + layout.stride * np.arange(len(members))
         self._parts = [self._row[first : first + layout.stride] for first in starts]
@@ -96,6 +101,12 @@ class Observer:
         assert places == [*range(places[0], places[-1] + 1)]
         self._energies = slice(places[0], places[-1] + 1)
         self._start: float | None = None
+
+    def _feet_of(self, members: Mapping[str, BlockBody]) -> Iterator[tuple[int, int]]:
+        """The first column of the feet of each block, and how many feet it has."""
+        for name, member in members.items():
+            count = member.spec.shape.feet
+            yield self._columns.index(f"{name}.foot_1.normal_force_N") if count else 0, count
 
     def saved(self) -> dict[str, Any]:
         """Values carried on from step to step, for `resume`."""
@@ -137,6 +148,8 @@ class Observer:
             row[run.base_second_acceleration_m_s2] = ground[1]
         for block, part in zip(self._blocks, self._parts, strict=True):
             block.write(state, links, part)
+        for block, feet in zip(self._blocks, self._feet, strict=True):
+            block.write_feet(state, feet)
         if self._platform is not None:
             self._platform.write(state, step, row[layout.platform : layout.energy])
         if self._structure is not None:

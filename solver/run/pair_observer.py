@@ -66,6 +66,7 @@ class PairObserver:
         members = assembly.members
         self.names = (*(member.spec.name for member in members), GROUND)
         self._surfaces = [member.surface for member in members]
+        self._parts = [member.parts for member in members]
         self._floor = assembly.floor
         self._support = assembly.support
         self._ground = len(members)
@@ -239,12 +240,19 @@ class PairObserver:
         return np.array(found) if found else np.empty((0, 4 + 4 * d))
 
     def _distance(self, pair: tuple[int, int], state: State) -> float:
-        """How far two bodies are apart along the axis that separates them best, m."""
-        placed = []
-        for k in pair:
-            surface = self._floor if k == self._ground else self._surfaces[k]
-            placed.append(surface.hull.placed(self._system.part(state.u, surface.number)))
-        return float(gaps(*placed).max())
+        """How far two bodies are apart along the axis that separates their nearest parts best, m.
+
+        Over the ground by their hulls.
+        """
+        if self._ground in pair:
+            all_of = [[self._floor if k == self._ground else self._surfaces[k]] for k in pair]
+        else:
+            all_of = [list(self._parts[k]) for k in pair]
+        one, other = (
+            [each.hull.placed(self._system.part(state.u, each.number)) for each in some]
+            for some in all_of
+        )
+        return min(float(gaps(a, b).max()) for a in one for b in other)
 
 
 def _crossing_time(spec: BlockSpec, scene: Scene) -> float:

@@ -5,11 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 from geometry.block import Block
-from geometry.density import LinearDensity, Part, PartedDensity, mass_of_parts
+from geometry.density import (
+    FootedDensity,
+    LinearDensity,
+    Part,
+    PartedDensity,
+    PiecewiseDensity,
+    mass_of_parts,
+)
 from geometry.density import Vector as SpaceVector
+from geometry.tags import FINER
 from solver.errors import SceneError, Statement, missing_key, not_applicable
 from solver.scene.cells import (
     box_mesh_size,
@@ -69,7 +77,15 @@ from solver.scene.quantities import (
     Turn,
     Vector,
 )
-from solver.scene.shape import Given, ShapeSpec, Sizes, block_of, own_keys, solid_of
+from solver.scene.shape import Given, ShapeSpec, Sizes, block_of, own_keys, shift_of, solid_of
+
+if TYPE_CHECKING:
+    from geometry.cells import Cells as MeshCells
+
+DensityLaw: TypeAlias = LinearDensity | PartedDensity | PiecewiseDensity | FootedDensity
+
+#: Density of elastic feet over the mean of the block, which has all other mass above them.
+FOOT = 1e-3
 
 #: The key that a block without elastic constants needs.
 RIGID_MODEL = 'model = "rigid"'
@@ -94,11 +110,9 @@ class BlockSpec(Checked):
     """Its carrier: `"foundation"` or the name of another block; or an array of
     [several](#several-supports), whose tops are level. Default: `"foundation"`."""
     given_shape: ShapeSpec | None = field(default=None, metadata={"key": "shape"})
-    """What it is where it is no box; see [shapes](#shapes). Convex where it is elastic or something
-    else is meshed. Default: a box."""
+    """What it is where it is no box; see [shapes](#shapes). Default: a box."""
     feet: EvenFeetSpec | tuple[FootSpec, ...] | None = None
-    """Pads below the box, which adds their height; see [feet](#feet). Rigid blocks only. Default:
-    none."""
+    """Pads below the box, which adds their height; see [feet](#feet). Default: none."""
     container: ContainerName | None = None
     """A freight container on its corner castings, its width along x; see [containers](#containers).
     Rigid blocks only. Default: none."""
@@ -162,10 +176,10 @@ class BlockSpec(Checked):
     """Shape of the cells; each quadrilateral makes two triangles, each hexahedron five tetrahedra.
     Default: the first of those allowed."""
     cell_size: Length = OPEN
-    """Length of the edges of the triangles or tetrahedra that an elastic [shape](#shapes) is meshed
-    by, in place of `cells`, `cell` and `refinement`, m. Default: by the box around the shape, a
-    tenth of the geometric mean of its sides and at most a fourth of the shortest one; 3-D: an
-    eighth, and half of it."""
+    """Length of the edges of the triangles or tetrahedra that an elastic [shape](#shapes), or box
+    on feet, is meshed by, in place of `cells`, `cell` and `refinement`, m. Default: by the box
+    around the shape, or above the feet, a tenth of the geometric mean of its sides and at most a
+    fourth of the shortest one; 3-D: an eighth, and half of it."""
     degree: Literal[1, 2] = 1
     """Polynomial degree of the displacement. Tetrahedra of degree 2 need `contact.points =
     "gauss"`."""
@@ -235,22 +249,15 @@ class BlockSpec(Checked):
         self._check_container()
         if self.feet == ():
             raise SceneError("feet", "none", "a table for all, or an array of one table each")
-        if self.feet is not None and self.model != "rigid":
-            raise not_applicable("feet", f"blocks with {RIGID_MODEL} only")
         if self.feet is not None and shape is not None:
             raise not_applicable("feet", "boxes only; a shape has them as shape.union")
         for key in ("width", "height") if shape is None else own_keys(shape):
             if is_open(getattr(self, key)):
                 raise missing_key(key, f"({key} > 0)")
+        self._check_cells()
         if shape is None:
-            if not is_open(self.cell_size):
-                raise not_applicable("cell_size", "blocks with a shape only; a box has cells")
             return
         shape.refuse_keys_of_parts()
-        given = {"cells": self.cells, "cell": self.cell, "refinement": self.refinement}
-        for key, value in given.items():
-            if not (is_open(value) or value == 1.0):
-                raise not_applicable(key, "boxes only; a shape has a cell_size")
         if self.centre_of_mass is not None and self.model != "rigid":
             raise not_applicable("centre_of_mass", f"boxes, and shapes with {RIGID_MODEL}, only")
         if self.parts:
@@ -272,6 +279,22 @@ class BlockSpec(Checked):
                 raise SceneError(key, f"both container and {key}", "one of them")
         if not self.parts and self.mass is self.density is None:
             raise missing_key("load", '(of a container, "empty" or "full"; or its mass)')
+
+    def _check_cells(self) -> None:
+        """Refuse keys of the mesh that its shape does not have."""
+        if self.model == "rigid" and self.given_shape is None and not self.is_box:
+            return
+        if self.is_box:
+            if not is_open(self.cell_size):
+                raise not_applicable("cell_size", "blocks with a shape only; a box has cells")
+            return
+        if self.takes_mesh and not is_open(self.cell_size):
+            raise not_applicable("cell_size", "shapes that are meshed; a .msh is taken as it is")
+        what = "a shape has a cell_size" if self.feet is None else "on feet it has a cell_size"
+        given = {"cells": self.cells, "cell": self.cell, "refinement": self.refinement}
+        for key, value in given.items():
+            if not (is_open(value) or value == 1.0):
+                raise not_applicable(key, f"boxes only; {what}")
 
     def _check_mass(self) -> None:
         """Refuse a mass that is not given, or given twice."""
@@ -360,21 +383,37 @@ class BlockSpec(Checked):
 
     def _cells_in(self, dimension: Dimension) -> dict[str, Any]:
         """Number and shape of the cells of a box; their size in a shape, if that is elastic."""
-        if self.given_shape is None:
+        if self.is_box or (self.given_shape is None and self.model == "rigid"):
             cells = cells_of(self, dimension, DEFAULT_CELLS[dimension])
             return {"cells": cells, "cell": cell_of(self, dimension)}
-        if self.model == "rigid":
+        if self.takes_mesh:
+            self._own_cells()  # is refused here if it is none
+        if self.model == "rigid" or self.takes_mesh:
             return {}
-        solid = solid_of(self.given_shape, self._shape_sizes, dimension)
-        if not solid.is_convex:
-            said = "is not convex, and only convex shapes are meshed"
-            raise Statement("shape", f"{said}: give the block {RIGID_MODEL}, and mesh nothing else")
-        extents = [float(side) for side in solid.high - solid.low]
+        extents = list(self._extents(dimension))
         if is_open(self.cell_size):
             return {"cell_size": default_cell_size(extents)}
         if self.cell_size > max(extents):
             raise SceneError("cell_size", shown(self.cell_size), f"at most {max(extents):.4g}")
         return {}
+
+    def _extents(self, dimension: Dimension) -> tuple[float, ...]:
+        """Sides of the box around a shape, or of the box above its feet, m."""
+        if self.given_shape is None:
+            return self._sizes(dimension)
+        solid = solid_of(self.given_shape, self._shape_sizes, dimension)
+        return tuple(float(side) for side in solid.high - solid.low)
+
+    @property
+    def is_box(self) -> bool:
+        """True of a box without feet or corner castings."""
+        return self.given_shape is None and self.feet is None and self.container is None
+
+    @property
+    def takes_mesh(self) -> bool:
+        """True if it is elastic and its mesh is that of a file."""
+        is_mesh = self.given_shape is not None and self.given_shape.is_mesh
+        return is_mesh and self.model == "elastic"
 
     def _lengths_in(self, dimension: Dimension) -> dict[str, Any]:
         """Width, height and thickness of a shape, which may stand there but not otherwise."""
@@ -398,6 +437,11 @@ class BlockSpec(Checked):
         if self.feet is None:
             return ()
         return single_feet(self.feet, Box(self.width, self.height, self.thickness), dimension)
+
+    def shift(self, dimension: Dimension) -> tuple[float, ...]:
+        """By what its shape is moved from its file to its own frame, m."""
+        assert self.given_shape is not None
+        return shift_of(self.given_shape, self._shape_sizes, dimension)
 
     @property
     def _shape_sizes(self) -> Sizes:
@@ -485,16 +529,39 @@ class BlockSpec(Checked):
             found.append(part)
         return found
 
-    def relative_density(self) -> LinearDensity | PartedDensity | None:
+    def relative_density(self) -> DensityLaw | None:
         """Its density over the mean; None: it is the same everywhere, or not known (inertia)."""
+        solid = self.shape.solid
+        if self.feet is not None:
+            assert solid is not None
+            levels = solid.parts[0].corners[:, -1]
+            whole, above = solid.parts_volume, self.width * self.height * self.thickness
+            share = (whole - FOOT * (whole - above)) / above
+            return FootedDensity(
+                low=float(levels.min()),
+                high=float(levels.max()),
+                box=share,
+                feet=FOOT,
+                law=self._density_of_box(),
+            )
+        if solid is not None and solid.surface is None:
+            densities = [part.density for part in solid.parts]
+            if max(densities) > min(densities) * (1 + 1e-12):
+                return PiecewiseDensity(parts=solid.parts, mean=self.shape.density)
+        return self._density_of_box()
+
+    def _density_of_box(self) -> LinearDensity | PartedDensity | None:
+        """The density of the box over its mean."""
         if self.parts:
             assert self.density is not None
-            mean = self.shape.density
+            mean = self._body(2 if len(self.velocity) == 2 else 3).density
             parts = (spec.part._replace(density=spec.density / mean) for spec in self.parts)
             return PartedDensity(rest=self.density / mean, parts=tuple(parts))
         if self.centre_of_mass is None or self.inertia is not None:
             return None
-        return None if self.shape.is_even else self._linear_density(self.centre_of_mass)
+        if self._centre_in_space() is None:
+            return None
+        return self._linear_density(self.centre_of_mass)
 
     @property
     def elasticity(self) -> tuple[float, float]:
@@ -544,31 +611,73 @@ class BlockSpec(Checked):
         """The size of its mesh, or that there is none."""
         if self.model == "rigid":
             return f"none: rigid, {3 if dimension == 2 else 6} unknowns"
-        if self.given_shape is None:
+        if self.is_box:
             return box_mesh_size(self, dimension)
         cells, nodes = self._simplices(dimension)
-        kind: Cell = "triangle" if dimension == 2 else "tetrahedron"
-        size = mesh_size_in_words(cells, kind, self.degree, nodes, dimension)
+        size = mesh_size_in_words(
+            cells, self.kind_of_cells(dimension), self.degree, nodes, dimension
+        )
+        if self.takes_mesh:
+            return f"{size}, as in the file"
         return f"about {size}, cell_size {self.cell_size:g} m"
+
+    def kind_of_cells(self, dimension: Dimension) -> Cell:
+        """What the cells of its mesh are, if it is elastic."""
+        if self.is_box:
+            return self.cell
+        if self.takes_mesh:
+            return "hexahedron" if self._own_cells().name == "hexahedron" else "tetrahedron"
+        return "triangle" if dimension == 2 else "tetrahedron"
+
+    def _own_cells(self) -> MeshCells:
+        """The cells of the mesh of its file."""
+        assert self.given_shape is not None
+        return self.given_shape.cells()
+
+    @property
+    def shortest_edge(self) -> float:
+        """About the length of the shortest edge of its cells, if it is elastic and no box, m."""
+        if self.takes_mesh:
+            return self._own_cells().shortest_edge
+        solid = self.shape.solid
+        if solid is not None and solid.surface is not None:
+            return self.cell_size / FINER
+        return min(self.cell_size, self.shape.shortest_edge)
+
+    @property
+    def cell_edge(self) -> float:
+        """About the length of the edges of its cells, if it is elastic and no box, m."""
+        if self.takes_mesh:
+            cells = self._own_cells()
+            return float(cells.volumes.mean()) ** (1 / 3)
+        return self.cell_size
 
     def nodes(self, dimension: Dimension) -> int:
         """Number of the nodes of its mesh, if it is elastic; of a shape about that."""
-        return box_nodes(self) if self.given_shape is None else self._simplices(dimension)[1]
+        return box_nodes(self) if self.is_box else self._simplices(dimension)[1]
 
     def nodes_below(self) -> int:
         """Number of the nodes of its bottom, if it is elastic; of a shape about that."""
-        if self.given_shape is None:
+        if self.is_box:
             return math.prod(self.degree * count + 1 for count in self.cells[:-1])
         flat = len(self.velocity) - 1
         across = self.thickness if flat == 1 else 1.0
-        return round(self.shape.bottom_area / across * (self.degree / self.cell_size) ** flat) + 1
+        return round(self.shape.bottom_area / across * (self.degree / self.cell_edge) ** flat) + 1
 
     def _simplices(self, dimension: Dimension) -> tuple[int, int]:
-        """About how many cells and nodes there are of an elastic shape."""
-        assert self.given_shape is not None
-        (part,) = solid_of(self.given_shape, self._shape_sizes, dimension).parts
-        outside = sum(map(part.area, range(len(part.faces))))
-        return simplices(part.moments.volume, outside, self.cell_size, self.degree, dimension)
+        """About how many cells and nodes there are of an elastic shape; exact of a linear mesh."""
+        if self.takes_mesh:
+            cells = self._own_cells()
+            nodes = cells.nodes if self.degree == 1 else round(1.6 * len(cells.numbers))
+            return len(cells.numbers), nodes
+        solid = self.shape.solid
+        assert solid is not None
+        if solid.surface is not None:
+            outside = solid.surface.area
+        else:
+            outside = sum(part.area(k) for part in solid.parts for k in range(len(part.faces)))
+        content = solid.volume / (solid.thickness if dimension == 2 else 1.0)
+        return simplices(content, outside, self.cell_size, self.degree, dimension)
 
     @property
     def tilt(self) -> float:

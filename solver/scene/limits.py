@@ -9,7 +9,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from geometry.density import LinearDensity
+from geometry.density import FootedDensity, LinearDensity, PiecewiseDensity
 from solver.errors import SceneError
 from solver.scene.block import BlockSpec
 from solver.scene.contact import Bed, ContactSpec
@@ -180,6 +180,10 @@ def _least_density(block: BlockSpec, dimension: Dimension) -> float:
     found = block.relative_density()
     if found is None:
         return 1.0
+    if isinstance(found, FootedDensity):
+        return found.feet
+    if isinstance(found, PiecewiseDensity):
+        return found.least
     if isinstance(found, LinearDensity):
         cells = corner_cell(block, dimension)
         return found.least([size / edge for size, edge in zip(found.sizes, cells, strict=True)])
@@ -188,7 +192,7 @@ def _least_density(block: BlockSpec, dimension: Dimension) -> float:
 
 def refuse_long(block: BlockSpec, dimension: Dimension) -> None:
     """Refuse a block whose corner cells are far longer than wide: those of shapes are not."""
-    if block.given_shape is not None:
+    if not block.is_box:
         return
     cell = corner_cell(block, dimension)
     times = max(cell) / min(cell)
@@ -223,8 +227,8 @@ def corner_cell(block: BlockSpec, dimension: Dimension) -> list[float]:
 
     Those of a shape are alike: by its `cell_size`, or the shortest of its edges.
     """
-    if block.given_shape is not None:
-        return [min(block.cell_size, block.shape.shortest_edge)] * dimension
+    if not block.is_box:
+        return [block.shortest_edge] * dimension
     across = (block.thickness,) if dimension == 3 else ()
     sides = (block.width, *across, block.height)
     if block.refinement == 1:

@@ -217,13 +217,6 @@ class Scene(Checked):
         rigid = next((block.name for block in self.blocks if block.model == "rigid"), None)
         if not self.is_rigid:
             self._refuse_unmeshed()
-            for block in self.blocks:
-                for key in ("feet", "container"):
-                    if getattr(block, key) is not None:
-                        raise not_applicable(f"{block.name}.{key}", UNMESHED)
-                if block.shape.solid is not None and not block.shape.solid.is_convex:
-                    said = "is not convex, and something is meshed, which meets convex shapes only"
-                    raise Statement(f"{block.name}.shape", f"{said}; allowed is {RIGID}")
         for key in ("stiffness", "damping"):
             if self.is_rigid and getattr(self.contact, key):
                 what = "scenes with a meshed body only, block.restitution to rigid blocks"
@@ -242,8 +235,9 @@ class Scene(Checked):
 
     def _check_degree(self, block: BlockSpec) -> None:
         """Refuse quadratic tetrahedra with nodes: no rule has positive weights at the vertices."""
-        is_shape = block.given_shape is not None and self.dimension == 3
-        tetrahedra = block.model == "elastic" and (is_shape or block.cell == "tetrahedron")
+        tetrahedra = (
+            block.model == "elastic" and block.kind_of_cells(self.dimension) == "tetrahedron"
+        )
         if tetrahedra and block.degree == 2 and self.contact.points == "nodes":
             allowed = '1 for tetrahedra, or contact.points = "gauss"'
             raise SceneError(f"{block.name}.degree", "2", allowed)

@@ -15,6 +15,7 @@ from solver.scene.checking import OPEN, Checked, is_open, shown
 from solver.scene.quantities import Density, Dimension, Length, Number, Place, Position
 
 if TYPE_CHECKING:
+    from geometry.cells import Cells
     from geometry.solid import Solid
     from solver.types import Array
 
@@ -48,10 +49,11 @@ class ShapeSpec(Checked):
     sides: Annotated[int, Number(at_least=3, at_most=1000)] = OPEN
     """Facets for which a `profile` or `cylinder` stands; corners lie on its circle. Default: 48."""
     file: Path | None = None
-    """A closed surface: .stl, .obj, .ply, or the outside of a mesh, .msh, .vtu; relative to the
-    scene's file; 3-D only. Mass, centre and inertia are those of the surface itself. Default: -."""
+    """A closed surface: .stl, .obj, .ply, the body of a .step, or the outside of a mesh, .msh,
+    .vtu; relative to the scene's file; 3-D only. Mass, centre and inertia are those of the surface
+    itself; an elastic block has the mesh of a .msh as it is. Default: -."""
     scale: Annotated[float, Number(above=0, powers=(0.0, 1.0))] = OPEN
-    """Length of a unit of the file, m. Default: 1."""
+    """Length of a unit of the file, m; of a .step, which has units, times these. Default: 1."""
     contact: Literal["hull", "coacd"] = OPEN
     """What contacts see of a file: its convex `"hull"`, or the convex parts into which CoACD cuts
     it, which has to be installed. Default: `"hull"`."""
@@ -99,6 +101,25 @@ class ShapeSpec(Checked):
     def kind(self) -> str:
         """The key that says what it is."""
         return next(kind for kind in KINDS if getattr(self, kind) not in (None, ()))
+
+    @property
+    def is_mesh(self) -> bool:
+        """True of a file that is the mesh of an elastic block, which takes it as it is."""
+        return self.file is not None and self.file.suffix.lower() == ".msh"
+
+    def cells(self) -> Cells:
+        """The cells of the mesh of a file.
+
+        Raises:
+            Statement: It is not one of one body in space.
+        """
+        from geometry.mesh_file import read_cells
+
+        assert self.file is not None
+        try:
+            return read_cells(self.file, self.scale)
+        except ValueError as error:
+            raise Statement("shape.file:", str(error)) from None
 
     @property
     def is_round(self) -> bool:
@@ -171,6 +192,13 @@ def solid_of(shape: ShapeSpec, sizes: Sizes, dimension: Dimension) -> Solid:
         SceneError: The key, and what is wrong with it.
     """
     return _part(shape, sizes, dimension, "shape").standing()
+
+
+@lru_cache(maxsize=256)
+def shift_of(shape: ShapeSpec, sizes: Sizes, dimension: Dimension) -> tuple[float, ...]:
+    """By what a shape is moved from where its numbers are to the own frame of its block, m."""
+    there = _part(shape, sizes, dimension, "shape").low
+    return tuple(float(x) for x in solid_of(shape, sizes, dimension).low - there)
 
 
 @lru_cache(maxsize=256)

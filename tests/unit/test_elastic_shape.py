@@ -18,6 +18,7 @@ from solver.scene.cells import default_cell_size, simplices
 
 WEDGE = {"polygon": [[0.0, 0.0], [0.6, 0.0], [0.0, 0.9]]}
 ELL = {"polygon": [[0.0, 0.0], [0.6, 0.0], [0.6, 0.2], [0.2, 0.2], [0.2, 0.9], [0.0, 0.9]]}
+FEET = {"inset": 0.1, "size": 0.1, "height": 0.1}
 STONE = {"density": 2400.0, "young": 1e9, "poisson": 0.2}
 
 
@@ -30,7 +31,6 @@ def scene(*blocks: dict[str, Any], **tables: Any) -> Scene:
 @pytest.mark.parametrize(
     ("block", "said"),
     [
-        ({"shape": ELL}, "block.shape is not convex, and only convex shapes are meshed: give the"),
         ({"shape": WEDGE, "cells": [4, 4]}, "block.cells applies to boxes only; a shape has a"),
         ({"shape": WEDGE, "cell": "triangle"}, "block.cell applies to boxes only; a shape has a"),
         ({"shape": WEDGE, "refinement": 2.0}, "block.refinement applies to boxes only; a shape"),
@@ -41,8 +41,8 @@ def scene(*blocks: dict[str, Any], **tables: Any) -> Scene:
         ({"shape": WEDGE, "inertia": 30.0}, "block.inertia applies to blocks with model"),
         ({"shape": WEDGE, "young": 1e4}, "block.young: got 10000, strained by"),
         (
-            {"width": 1.0, "height": 1.0, "feet": {"inset": 0.1, "size": 0.1, "height": 0.1}},
-            'block.feet applies to blocks with model = "rigid" only; remove it',
+            {"width": 1.0, "height": 1.0, "feet": FEET, "cells": [4, 4]},
+            "block.cells applies to boxes only; on feet it has a cell_size",
         ),
     ],
 )
@@ -51,17 +51,6 @@ def test_what_does_not_go_together_is_refused(block: dict[str, Any], said: str) 
         scene(block)
     assert str(error.value).startswith(said)
     assert "\n" not in str(error.value)
-
-
-def test_rigid_shapes_beside_a_mesh_are_convex() -> None:
-    elastic = {"name": "elastic", "width": 1.0, "height": 0.2}
-    rigid = {"name": "other", "model": "rigid", "on": "elastic"}
-    assert scene(elastic, rigid | {"shape": WEDGE}).blocks[1].given_shape is not None
-    with pytest.raises(SceneError, match=r"^other\.shape is not convex, and something is meshed"):
-        scene(elastic, rigid | {"shape": ELL})
-    feet = {"width": 1.0, "height": 1.0, "feet": {"inset": 0.1, "size": 0.1, "height": 0.1}}
-    with pytest.raises(SceneError, match=r"^other\.feet applies to scenes in which nothing is"):
-        scene(elastic, rigid | feet)
 
 
 def test_quadratic_tetrahedra_need_gauss_points() -> None:
@@ -173,7 +162,7 @@ def test_the_edges_of_a_polygon_are_walked_round() -> None:
     nodes = np.concatenate([corners, (corners + np.roll(corners, -1, axis=0)) / 2])
     points = FixedPoints(nodes[[7, 2, 9, 0, 3, 5, 1, 8, 6, 4]])
     for up in (1.0, -1.0):
-        outline = Outline(points, 1, level_frame(3, up), corners)
+        outline = Outline(points, 1, level_frame(3, up), (corners,))
         chords = outline.chords(points.reference)
         assert outline.count == 5
         assert np.cross(chords[0], chords[1])[2] * up > 0
@@ -199,3 +188,104 @@ def test_faces_with_fewer_corners_have_their_own_normals() -> None:
             part.corners[face[0]] @ n for face, n in zip(part.faces, part.normals, strict=True)
         ]
         assert placed.levels == pytest.approx(np.array(level), abs=1e-12)
+
+
+def test_facets_belong_to_the_faces_of_the_hull_and_of_parts() -> None:
+    """Of a box on feet: their bottoms are one face of the hull, sloping ones have no facets."""
+    pytest.importorskip("dolfinx")
+    from geometry.body_faces import faces_on_mesh
+    from geometry.body_mesh import cells_of_parts
+
+    feet = {"inset": 0.1, "size": 0.15, "height": 0.1}
+    block = scene({"width": 1.0, "height": 0.5, "thickness": 0.8, "feet": feet}, dimension=3)
+    solid = block.blocks[0].shape.solid
+    assert solid is not None
+    cells = cells_of_parts(solid.parts, 0.2)
+    assert cells.volumes.sum() == pytest.approx(0.5 * 0.8 + 4 * 0.15**2 * 0.1, rel=1e-12)
+    (whole, box, *pads), tags = faces_on_mesh(cells.points, cells.boundary, solid.parts)
+    a, b, c = (cells.points[cells.boundary[:, k]] for k in range(3))
+    areas = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+
+    def area(found: frozenset[int]) -> float:
+        """Area of the facets with some tags, m2."""
+        return float(areas[np.isin(tags, list(found))].sum())
+
+    bottom, top = int(FacetTag.BOTTOM), int(FacetTag.TOP)
+    assert area(whole.facets[bottom]) == pytest.approx(4 * 0.15**2, rel=1e-9)
+    assert area(whole.facets[top]) == pytest.approx(0.8, rel=1e-9)
+    spanning = [tag for tag in whole.loops if not whole.facets[tag]]
+    assert len(spanning) == 4 and all(whole.points[tag] for tag in spanning)
+    assert area(box.facets[bottom]) == pytest.approx(0.8 - 4 * 0.15**2, rel=1e-9)
+    for pad in pads:
+        assert area(pad.facets[bottom]) == pytest.approx(0.15**2, rel=1e-9)
+        assert not pad.facets[top]
+        sides = sum(area(pad.facets[tag]) for tag in pad.loops if tag not in (bottom, top))
+        assert sides == pytest.approx(4 * 0.15 * 0.1, rel=1e-9)
+
+
+def test_outlines_go_round_pieces() -> None:
+    """Two bottoms of feet in space: eight corners, no more, whatever the cells are."""
+    pytest.importorskip("dolfinx")
+    from solver.build.assembly import build
+    from solver.contact.surfaces import outline_of
+
+    pads = [{"at": [x, 0.0], "size": 0.3, "height": 0.1} for x in (-0.3, 0.3)]
+    given = scene(
+        {"width": 1.0, "height": 0.5, "thickness": 0.5, "feet": pads, "cell_size": 0.12},
+        dimension=3,
+    )
+    surface = build(given).members[0].surface
+    face = surface.face(int(FacetTag.BOTTOM), 1e-9)
+    assert face is not None and face.rings is not None
+    assert [len(ring) for ring in face.rings] == [4, 4]
+    edges = outline_of(face, np.array([0.0, 0.0, 1.0]))
+    lengths = np.linalg.norm(edges.chords(edges.points.reference), axis=1)
+    assert lengths == pytest.approx(np.full(8, 0.3), rel=1e-9)
+    assert surface.face(surface.tags[next(iter(_spanning(surface)))], 1e-9) is None
+
+
+def _spanning(surface: Any) -> list[int]:
+    """Numbers of the faces of a surface that span a hollow."""
+    return [k for k, tag in enumerate(surface.tags) if not surface.is_real(tag)]
+
+
+def test_density_of_a_box_on_feet_is_above_them() -> None:
+    """Its mass and centre on the mesh are those without feet, to a thousandth of these."""
+    pytest.importorskip("dolfinx")
+    from solver.build.assembly import build
+
+    feet = {"inset": 0.05, "size": 0.1, "height": 0.1}
+    block = {"width": 1.0, "height": 0.5, "thickness": 0.7, "feet": feet}
+    for off in ({}, {"centre_of_mass": [0.05, 0.28]}):
+        given = scene(block | off).blocks[0].shape
+        body = build(scene(block | off)).members[0].body
+        assert body.mass == pytest.approx(given.mass, rel=1e-12)
+        assert body.centre == pytest.approx(given.centre_of_mass(), abs=1e-4)
+
+
+def test_parts_of_other_densities_are_elastic() -> None:
+    """Mass and centre of a union are those of its parts."""
+    pytest.importorskip("dolfinx")
+    from solver.build.assembly import build
+
+    square = {"polygon": [[0.0, 0.0], [0.4, 0.0], [0.4, 0.4], [0.0, 0.4]]}
+    union = {"union": [square, square | {"at": [0.0, 0.4], "density": 1200.0}]}
+    given = scene({"shape": union})
+    body = build(given).members[0].body
+    assert body.mass == pytest.approx(0.16 * 3600.0, rel=1e-12)
+    assert body.centre == pytest.approx([0.0, (2 * 0.2 + 0.6) / 3], abs=1e-12)
+
+
+def test_cautions_for_hollows() -> None:
+    """Where hulls meet though a body is hollow, and where a file is."""
+    from solver.excitation.motion import read_ground
+    from solver.results.cautions import cautions_of_input
+
+    low = {"name": "low", "shape": ELL}
+    top = {"name": "top", "on": "low", "width": 0.1, "height": 0.3}
+    given = scene(low, top)
+    (said,) = cautions_of_input(given, read_ground(given))
+    assert said.startswith("top and low, which carries it, meet by the faces of their convex hulls")
+    feet = {"name": "feet", "on": "slab", "width": 0.8, "height": 0.3, "feet": FEET}
+    fine = scene({"name": "slab", "width": 1.0, "height": 0.2}, feet)
+    assert cautions_of_input(fine, read_ground(fine)) == []

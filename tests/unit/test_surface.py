@@ -112,11 +112,11 @@ def test_the_layer_brings_the_values_of_all_ranks(dimension):
 
 def test_refuses_what_is_no_carrier():
     made = block_mesh(SHAPE, cells=(2, 2), comm=COMM)
-    with pytest.raises(ValueError, match="no facets with tag 7"):
+    with pytest.raises(ValueError, match=r"no facets with tags \(7,\)"):
         carrier_surface(space(made, 1), made.facet_tags, FacetTag.FEET)
     with pytest.raises(ValueError, match="degree 3"):
         carrier_surface(space(made, 3), made.facet_tags, FacetTag.TOP)
     tags = made.facet_tags
     all_round = mesh.meshtags(made.mesh, 1, tags.indices, np.ones_like(tags.values))
-    with pytest.raises(ValueError, match="one piece"):
+    with pytest.raises(ValueError, match="in a circle"):
         carrier_surface(space(made, 1), all_round, 1)

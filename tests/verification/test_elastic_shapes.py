@@ -1,4 +1,4 @@
-"""Elastic blocks of convex shapes, and rigid ones beside them, in the plane and in space.
+"""Elastic blocks of all shapes, and rigid ones beside them, in the plane and in space.
 
 Against boxes, statics, the equation of rocking with the numbers of the shape, and rigid shapes.
 """
@@ -6,20 +6,28 @@ Against boxes, statics, the equation of rocking with the numbers of the shape, a
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from body_files import boxes, vase, write_by_gmsh, write_stl
 from processes import on_ranks
 
 from rockslip import History, Result, Scene, parse_scene, simulate
+from solver.errors import RockslipError
 from solver.reference.housner import housner, housner_restitution
 from solver.types import Array
 
 pytest.importorskip("dolfinx")
 
+from solver.build.assembly import build
+
 G = 9.81
+
+SPACE: dict[str, Any] = {"dimension": 3}
 
 STONE = {"density": 2400.0, "young": 5e10, "poisson": 0.2}
 
@@ -86,14 +94,28 @@ def test_a_polygon_that_is_a_box_does_what_the_box_does(degree: int) -> None:
     assert angle == pytest.approx(box.history["block.angle_rad"][rows][early], abs=3e-5)
 
 
+ELL = [[0.0, 0.0], [0.6, 0.0], [0.6, 0.2], [0.2, 0.2], [0.2, 0.9], [0.0, 0.9]]
+LEGS = [
+    {"polygon": [[0.0, 0.0], [0.2, 0.0], [0.2, 0.9], [0.0, 0.9]]},
+    {"polygon": [[0.0, 0.0], [0.4, 0.0], [0.4, 0.2], [0.0, 0.2]], "at": [0.2, 0.0]},
+]
+FEET = {"width": 0.8, "height": 1.6, "feet": {"inset": 0.1, "size": 0.08, "height": 0.06}}
+LIFTED: dict[str, dict[str, Any]] = {
+    "triangle": {"shape": {"polygon": TRIANGLE}},
+    "pentagon": {"shape": {"polygon": PENTAGON}},
+    "trapezoid": {"shape": {"polygon": TRAPEZOID}},
+    "L": {"shape": {"polygon": ELL}},
+    "union": {"shape": {"union": LEGS}},
+    "feet": FEET,
+}
+
+
 @pytest.mark.parametrize("side", [-1, 1])
-@pytest.mark.parametrize("points", [TRIANGLE, PENTAGON, TRAPEZOID], ids=len)
-def test_shapes_lift_at_their_own_arm_over_height(
-    points: list[list[float]], side: int, tmp_path: Path
-) -> None:
+@pytest.mark.parametrize("name", LIFTED)
+def test_shapes_lift_at_their_own_arm_over_height(name: str, side: int, tmp_path: Path) -> None:
     """As the ground's acceleration grows slowly, to within 1 %: the ends of the bottom differ."""
-    block = polygon(points, young=1e12, cell_size=0.15)
-    limit = scene(block, 1.0, 1e-2).blocks[0].shape.uplift(side)
+    block = STONE | LIFTED[name] | {"young": 1e12, "cell_size": 0.15}
+    limit = scene(block, 1.0, 2e-3).blocks[0].shape.uplift(side)
     file = tmp_path / "ramp.csv"
     slope, end = limit / 4.0, 4.8
     file.write_text(f"0,0\n{end!r},{-side * slope * end!r}\n")
@@ -196,7 +218,7 @@ def test_a_column_of_two_shapes_has_the_pressure_of_its_weight(
     from dolfinx.mesh import compute_midpoints
 
     from solver.bodies.elastic_forms import green_strain
-    from solver.build.assembly import build, initial_state
+    from solver.build.assembly import initial_state
 
     stone = {"density": 2000.0, "young": 1e9, "poisson": 0.0, "degree": 2}
     if dimension == 2:
@@ -304,6 +326,203 @@ def test_shapes_stand_on_one_another(
     assert np.abs(history["top.slip_m"]).max() < 1e-6
 
 
+# ---------------------------------------------------------------- hollow ones, and feet
+
+
+def test_arms_of_an_l_and_of_feet_are_those_of_statics() -> None:
+    """Of two rectangles, 0.2 x 0.9 and 0.4 x 0.2; of a box between its pads, g c/h_c."""
+    block = scene(polygon(ELL), 0.1, 1e-3).blocks[0].shape
+    first, second = 0.18, 0.08
+    x, y = (first * 0.1 + second * 0.4) / 0.26, (first * 0.45 + second * 0.1) / 0.26
+    assert block.uplift(-1) == pytest.approx(x / y, rel=1e-12)
+    assert block.uplift(1) == pytest.approx((0.6 - x) / y, rel=1e-12)
+    feet = scene(STONE | FEET, 0.1, 1e-3).blocks[0].shape
+    assert feet.uplift(1) == pytest.approx((0.4 - 0.1) / (0.8 + 0.06), rel=1e-12)
+
+
+@pytest.mark.parametrize("tilt", [3.0, -3.0])
+@pytest.mark.parametrize("name", ["L", "union", "feet"])
+def test_hollow_shapes_rock_as_rigid_ones(name: str, tilt: float) -> None:
+    """Up to the first impact."""
+    block = STONE | LIFTED[name] | {"tilt_deg": tilt}
+    rigid = simulate(scene(block | {"model": "rigid"}, 0.4, 1e-3))
+    elastic = run(scene(block, 0.4, None))
+    end = impacts(rigid)[0]
+    assert impacts(elastic)[0] == pytest.approx(end, rel=2e-3)
+    at = np.linspace(0.1, 0.98, 20) * end
+    one, other = (
+        np.interp(at, each.history["time_s"], each.history["block.angle_rad"])
+        for each in (rigid, elastic)
+    )
+    assert other == pytest.approx(one, abs=1e-2 * math.radians(3.0))
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("model", ["elastic", "rigid"])
+@pytest.mark.parametrize("carrier", ["ground", "slab"])
+def test_pads_bear_what_statics_says(dimension: int, model: str, carrier: str) -> None:
+    """Each its share where the weight is in the middle; off it by moments, but for their width."""
+    count, size = 2 ** (dimension - 1), 0.04
+    feet = {"inset": 0.08, "size": size, "height": 0.06}
+    block = STONE | {"width": 0.8, "height": 1.0, "model": model, "feet": feet}
+    blocks = [{"name": "slab", "width": 1.2, "height": 0.3, "model": "elastic"}]
+    if dimension == 3:
+        block |= {"thickness": 0.6, "cell_size": 0.25}
+        blocks[0] |= {"thickness": 1.2, "cells": [6, 6, 2]}
+    block |= {"name": "block"} | ({"on": "slab"} if carrier == "slab" else {})
+    under = [STONE | blocks[0]] if carrier == "slab" else []
+    for e in (0.0, 0.06):
+        off = {"centre_of_mass": [e, *[0.0] * (dimension - 2), 0.5]} if e else {}
+        given = scene([*under, block | off], 0.004, 1e-3, dimension=dimension)
+        if given.is_rigid:
+            continue
+        history = run(given).history
+        weight = given.blocks[-1].shape.mass * G
+        found = [history[f"block.foot_{k + 1}.normal_force_N"][-1] for k in range(count)]
+        assert sum(found) == pytest.approx(history["block.normal_force_N"][-1], rel=1e-9)
+        assert sum(found) == pytest.approx(weight, rel=1e-5)
+        right = found[1] if dimension == 2 else found[1] + found[2]
+        reach = 0.8 / 2 - 0.08 - size / 2
+        share = 0.5 * (1 + e / reach)
+        if not e:
+            # In space the mesh is not its own mirror image.
+            assert found == pytest.approx([weight / count] * count, rel=10.0 ** (-5 + dimension))
+        assert right / weight == pytest.approx(share, abs=0.5 * size / (2 * reach))
+
+
+@pytest.mark.parametrize("model", ["elastic", "rigid"])
+def test_a_box_flies_into_the_notch_of_an_l(model: str) -> None:
+    """Without gravity: it touches the leg, not the hull, and momentum stays."""
+    ell = polygon(ELL, name="ell", model=model, young=1e9) | {"position": [0.0, 2.0]}
+    box = STONE | {"name": "box", "width": 0.2, "height": 0.2, "young": 1e9}
+    corner = np.array([0.0, 2.0]) - scene(ell, 0.1, 1e-3).blocks[0].shape.centre_of_mass(2)
+    leg = corner[0] - 0.3 + 0.2  # its right side; the foot's top is 0.2 above the bottom
+    box |= {"position": [leg + 0.1 + 0.05, corner[1] + 0.2 + 0.1 + 0.03], "velocity": [-1.0, 0.0]}
+    given = scene([ell, box], 0.15, 5e-4, gravity=0.0)
+    history = run(given).history
+    masses = {block.name: block.shape.mass for block in given.blocks}
+    place = sum(m * history[f"{name}.centre_x_m"] for name, m in masses.items())
+    speed = np.gradient(place, history["time_s"]) / masses["box"]
+    assert speed == pytest.approx(np.full(len(speed), -1.0), abs=1e-6)
+    assert history.events[0].time_s == pytest.approx(0.05, abs=1e-3)
+    assert history["ell.centre_x_m"][-1] < -0.005
+
+
+def test_a_vase_is_meshed_by_its_true_surface(tmp_path: Path) -> None:
+    """All of its mass, its centre but for the chords of cells; it stands, and leans as if rigid.
+
+    In the directions of two sides of its foot.
+    """
+    shape = {"shape": {"file": str(write_stl(tmp_path / "vase.stl", *vase(48, 20)))}}
+    given = scene(STONE | shape, 0.01, 1e-3, dimension=3)
+    solid = given.blocks[0].shape.solid
+    assert solid is not None and solid.hull_excess > 0.1
+    member = build(given).members[0].body
+    assert member.mass == pytest.approx(solid.mass, rel=1e-12)
+    assert member.centre == pytest.approx(solid.centre, abs=5e-3 * solid.size)
+    history = run(given).history
+    assert history["block.normal_force_N"] == pytest.approx(solid.mass * G, rel=1e-6)
+    gaps = np.array([history[f"block.gap_{k}_m"] for k in (1, 2, 3, 4)])
+    assert np.abs(gaps).max() < 1e-9
+    for direction in (3.75, 33.75):
+        lean = {"tilt_deg": 4.0, "tilt_direction_deg": direction}
+        rigid = simulate(scene(STONE | shape | lean | {"model": "rigid"}, 0.12, 2e-4, dimension=3))
+        elastic = run(scene(STONE | shape | lean, 0.12, None, dimension=3)).history
+        at = np.linspace(0.1, 0.95, 20) * impacts(rigid)[0]
+        for key in ("angle_x_rad", "angle_y_rad"):
+            one, other = (
+                np.interp(at, each["time_s"], each[f"block.{key}"])
+                for each in (rigid.history, elastic)
+            )
+            assert other == pytest.approx(one, abs=1e-2 * math.radians(4.0))
+
+
+SIDES = {"width": 0.3, "thickness": 0.4, "height": 0.8}
+GRID = [np.linspace(-0.15, 0.15, 4), np.linspace(-0.2, 0.2, 5), np.linspace(0.0, 0.8, 7)]
+
+
+@pytest.mark.parametrize("cell", ["hexahedron", "tetrahedron"])
+def test_a_mesh_is_taken_as_it_is(cell: str, tmp_path: Path) -> None:
+    """That of a box, with and without groups, away from the origin, does what the box does."""
+    import gmsh
+
+    from geometry.gmsh_model import box as gridded
+    from geometry.tags import CellTag
+
+    def make() -> None:
+        x, y, z = GRID
+        gridded(x + 3.0, y, z - 1.0, CellTag.BLOCK, tetrahedra=cell == "tetrahedron")
+        if cell == "tetrahedron":
+            gmsh.model.removePhysicalGroups()
+
+    version = 4.1 if cell == "hexahedron" else 2.2
+    file = write_by_gmsh(tmp_path / "box.msh", make, version)
+    lean = {"tilt_deg": 4.0, "tilt_direction_deg": 20.0}
+    box = run(scene(STONE | SIDES | lean | {"cells": [3, 4, 6], "cell": cell}, 0.1, 5e-4, **SPACE))
+    same = run(scene(STONE | lean | {"shape": {"file": str(file)}}, 0.1, 5e-4, **SPACE))
+    for key in ("angle_x_rad", "angle_y_rad", "centre_x_m", "slip_m"):
+        one, other = (each.history[f"block.{key}"] for each in (box, same))
+        offset = other[0] - one[0]
+        assert other - offset == pytest.approx(one, abs=1e-11), key
+
+
+def test_a_step_file_is_meshed_in_its_own_units(tmp_path: Path) -> None:
+    """A box in millimetres rocks as the box."""
+    make = partial(boxes, (-150.0, -200.0, 0.0, 300.0, 400.0, 800.0))
+    shape = {"shape": {"file": str(write_by_gmsh(tmp_path / "box.step", make))}}
+    box = run(scene(STONE | SIDES | {"tilt_deg": 4.0}, 0.15, 5e-4, **SPACE))
+    given = scene(STONE | shape | {"tilt_deg": 4.0}, 0.15, 5e-4, **SPACE)
+    assert given.blocks[0].shape.mass == pytest.approx(2400.0 * 0.3 * 0.4 * 0.8, rel=1e-12)
+    same = run(given)
+    for key, off in (("angle_x_rad", 1e-6), ("angle_y_rad", 1e-6)):
+        one, other = (each.history[f"block.{key}"] for each in (box, same))
+        assert other == pytest.approx(one, abs=off), key
+
+
+def bad_files(folder: Path) -> Iterator[tuple[Path, str]]:
+    """Files of which no elastic block can be made, and what is said of them."""
+    cube = (0.0, 0.0, 0.0, 1.0, 1.0, 1.0)
+    two = cube, (2.0, 0.0, 0.0, 1.0, 1.0, 1.0)
+    large = (0.0, 0.0, 0.0, 900.0, 900.0, 900.0)
+    points, triangles = vase(12, 6)
+    kinds: list[tuple[str, Callable[[], None], str]] = [
+        ("two.step", partial(boxes, *two), "got 2 solids, allowed one"),
+        ("two.msh", partial(boxes, *two, size=0.5), "got 2 pieces that have no facet in common"),
+        ("shell.msh", partial(boxes, cube, size=0.5, dimension=2), "got no cells in space"),
+        ("large.msh", partial(boxes, large, size=400.0), "looks like millimetres: scale = 0.001"),
+    ]
+    for name, make, said in kinds:
+        yield write_by_gmsh(folder / name, make), said
+    yield write_stl(folder / "open.stl", points, triangles[3:]), "open edge"
+    both = np.concatenate([triangles, triangles + len(points)])
+    apart = np.concatenate([points, points + np.array([1.0, 0.0, 0.0])])
+    yield write_stl(folder / "two.stl", apart, both), "got 2 bodies apart, allowed one"
+    for name, text, said in (
+        ("junk.step", b"solid", "does not begin with ISO-10303-21"),
+        ("empty.msh", b"", "got an empty file"),
+    ):
+        (folder / name).write_bytes(text)
+        yield folder / name, said
+
+
+def test_bad_files_are_refused_in_a_line(tmp_path: Path) -> None:
+    """With the name of the key and of the file."""
+    for file, said in bad_files(tmp_path):
+        with pytest.raises(RockslipError) as error:
+            build(scene(STONE | {"shape": {"file": str(file)}}, 0.1, 1e-3, **SPACE))
+        assert error.value.exit_code == 2
+        assert str(error.value).startswith("block.shape"), file
+        assert said in str(error.value), str(error.value)
+        assert "\n" not in str(error.value)
+
+
+def test_parts_that_do_not_touch_are_no_elastic_body() -> None:
+    """In one line, when it is meshed."""
+    apart = {"union": [LEGS[0], LEGS[1] | {"at": [0.5, 0.0]}]}
+    with pytest.raises(RockslipError, match="got 2 pieces that have no face in common"):
+        build(scene(STONE | {"shape": apart}, 0.1, 1e-3))
+
+
 # ---------------------------------------------------------------- runs
 
 SHAKEN = """
@@ -322,15 +541,28 @@ step = 1.0e-3
 fields = "none"
 """
 
+HOLLOW = SHAKEN.replace("[[-0.2, 0.0], [0.2, 0.0], [0.1, 1.0], [-0.15, 1.0]]", f"{ELL}")
+ON_FEET = HOLLOW.replace(
+    HOLLOW[HOLLOW.index("shape") : HOLLOW.index("density")],
+    "width = 0.6\nheight = 1.0\nfeet = { inset = 0.05, size = 0.1, height = 0.05 }\n",
+)
 IN_SPACE = SHAKEN.replace("[[block]]", "dimension = 3\n[[block]]\nthickness = 0.4").replace(
     "end = 0.3", "end = 0.1"
 )
 
 
 @pytest.mark.mpi
-@pytest.mark.parametrize("text", [SHAKEN, IN_SPACE], ids=["plane", "space"])
+@pytest.mark.parametrize(
+    "text",
+    [SHAKEN, IN_SPACE, HOLLOW, ON_FEET, "file"],
+    ids=["plane", "space", "L", "feet", "vase"],
+)
 def test_ranks_agree(text: str, tmp_path: Path) -> None:
     """One and two ranks, to 1e-8 of the angle and of lengths."""
+    if text == "file":
+        write_stl(tmp_path / "vase.stl", *vase(24, 12))
+        start, end = IN_SPACE.index("thickness"), IN_SPACE.index("density")
+        text = f'{IN_SPACE[:start]}shape = {{ file = "vase.stl" }}\n{IN_SPACE[end:]}'
     (tmp_path / "scene.toml").write_text(text, encoding="utf-8")
     for ranks in (1, 2):
         done = on_ranks(ranks, tmp_path, "run", "scene.toml", "-q", "-o", f"ranks{ranks}")

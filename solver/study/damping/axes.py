@@ -157,7 +157,10 @@ def _put_mesh(tables: Tables, scene: Scene, block: BlockSpec, value: float) -> N
     if not value > 0:
         raise SceneError("--of mesh", shown(value), "factors > 0")
     for spec in scene.blocks:
-        if spec.model == "elastic" and spec.given_shape is not None:
+        if spec.takes_mesh:
+            what = f"blocks that are meshed: {spec.name} has the mesh of its file"
+            raise not_applicable("--of mesh", what)
+        if spec.model == "elastic" and not spec.is_box:
             table_of(tables, spec)["cell_size"] = spec.cell_size / value
         elif spec.model == "elastic":
             table_of(tables, spec)["cells"] = [_times(value, count) for count in spec.cells]
@@ -223,7 +226,7 @@ def _put_floor(tables: Tables, scene: Scene, block: BlockSpec, value: float) -> 
     base = standing[0]
     if base.model == "rigid":
         raise not_applicable("--of floor", "floors under a meshed block")
-    if base.given_shape is not None:
+    if not base.is_box:
         raise not_applicable("--of floor", "floors under a box")
     *along, _ = base.cells
     sides = [4 * base.width + 2 * abs(base.offset)]

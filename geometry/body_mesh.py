@@ -1,0 +1,222 @@
+"""Meshes of bodies that are no boxes and not convex: of parts, of a closed surface, of files.
+
+All of them are made by Gmsh on one rank as plain cells, whose outside gets the tags of the faces
+that contact sees, and are then distributed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import partial
+
+from mpi4py import MPI
+
+import gmsh
+import numpy as np
+
+from geometry.body_faces import BodyFaces, faces_on_mesh
+from geometry.cells import Cells, cells_of_model, silent_model
+from geometry.convex import Convex
+from geometry.gmsh_model import MeshedBody, make
+from geometry.surface import Surface
+from geometry.tags import FINER, CellTag
+from solver.types import Indices
+
+SHARP = 40.0
+"""Angle between facets of a surface, degrees, from which the edge between them stays an edge."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BodyMesh:
+    """The mesh of a body, and the faces of it that contact sees."""
+
+    made: MeshedBody
+    """The mesh; tags of facets are those of the faces."""
+    faces: tuple[BodyFaces, ...]
+    """Those of its convex hull, then those of its parts, in the frame of the mesh."""
+
+
+def body_mesh(
+    name: str,
+    build: Callable[[], Cells],
+    dimension: int,
+    parts: Sequence[Convex] = (),
+    comm: MPI.Intracomm = MPI.COMM_WORLD,
+) -> BodyMesh:
+    """Distribute the cells that `build` makes on rank 0; collective.
+
+    Args:
+        name: Of the body.
+        build: Makes its cells.
+        dimension: 2 or 3.
+        parts: The convex parts it is made of; none where they are not known.
+        comm: The ranks that share the mesh.
+
+    Raises:
+        ValueError: On every rank: there is no mesh of it, or not of one piece.
+    """
+    put, faces, trouble = _nothing, list[BodyFaces](), ""
+    if comm.rank == 0:
+        try:
+            cells = build()
+            _refuse_pieces(cells)
+            faces, tags = faces_on_mesh(cells.points, cells.boundary, parts)
+            put = partial(_put, cells, tags)
+        except ValueError as error:
+            trouble = str(error)
+    trouble, faces = comm.bcast((trouble, faces))
+    if trouble:
+        raise ValueError(trouble)
+    made = make(name, put, dimension, comm)
+    return BodyMesh(made=made, faces=tuple(faces))
+
+
+def _nothing() -> None:
+    """Make no mesh: another rank does."""
+
+
+def _put(cells: Cells, tags: Indices) -> None:
+    """Cells and the facets of their boundary as discrete entities of Gmsh's current model."""
+    d, model = cells.dimension, gmsh.model
+    used = np.unique(cells.numbers)
+    body = model.addDiscreteEntity(d)
+    places = np.pad(cells.points[used], ((0, 0), (0, 3 - d)))
+    model.mesh.addNodes(d, body, used + 1, places.ravel())
+    model.mesh.addElementsByType(body, cells.kind, [], cells.numbers.ravel() + 1)
+    model.addPhysicalGroup(d, [body], CellTag.BLOCK)
+    for tag in np.unique(tags):
+        face = model.addDiscreteEntity(d - 1)
+        facets = cells.boundary[tags == tag]
+        model.mesh.addElementsByType(face, cells.kind_of_facets, [], facets.ravel() + 1)
+        model.addPhysicalGroup(d - 1, [face], int(tag))
+
+
+def _refuse_pieces(cells: Cells) -> None:
+    """ValueError where cells do not hang together by their facets."""
+    if cells.pieces > 1:
+        raise ValueError(
+            f"got {cells.pieces} pieces that have no face in common, allowed one body: elastic"
+            " parts hold together where their faces touch"
+        )
+
+
+@contextmanager
+def _told(what: str) -> Iterator[None]:
+    """Gmsh's failures as ValueErrors."""
+    try:
+        yield
+    except ValueError:
+        raise
+    except Exception as error:  # Gmsh has no narrower class
+        said = str(error).strip().splitlines() or ["no reason given"]
+        raise ValueError(f"got {what} that Gmsh cannot mesh ({said[-1]})") from None
+
+
+@contextmanager
+def _options(values: dict[str, float]) -> Iterator[None]:
+    """Options of Gmsh for a while."""
+    before = {name: gmsh.option.getNumber(name) for name in values}
+    try:
+        for name, value in values.items():
+            gmsh.option.setNumber(name, value)
+        yield
+    finally:
+        for name, value in before.items():
+            gmsh.option.setNumber(name, value)
+
+
+# ---------------------------------------------------------------- of convex parts
+
+
+def cells_of_parts(parts: Sequence[Convex], size: float) -> Cells:
+    """Simplices of convex parts that touch; where two do, their cells have facets in common.
+
+    Args:
+        parts: The parts.
+        size: Length of the edges of the cells, m.
+    """
+    d = parts[0].dimension
+    with silent_model("parts"), _told("parts"):
+        bodies = [(d, _part(part)) for part in parts]
+        if len(bodies) > 1:
+            gmsh.model.occ.fragment(bodies[:1], bodies[1:])
+        gmsh.model.occ.synchronize()
+        gmsh.model.mesh.setSize(gmsh.model.getEntities(0), size)
+        gmsh.model.mesh.generate(d)
+        return cells_of_model(d)
+
+
+def _part(part: Convex) -> int:
+    """A convex part in Gmsh's current model, by OpenCASCADE; its number."""
+    occ = gmsh.model.occ
+    places = np.pad(part.corners, ((0, 0), (0, 3 - part.dimension)))
+    points = [occ.addPoint(*place) for place in places]
+    lines: dict[tuple[int, int], int] = {}
+
+    def loop(face: Sequence[int]) -> int:
+        """The loop around a face."""
+        ring = []
+        for a, b in zip(face, [*face[1:], face[0]], strict=True):
+            key = min(a, b), max(a, b)
+            if key not in lines:
+                lines[key] = occ.addLine(points[a], points[b])
+            ring.append(lines[key])
+        return int(occ.addCurveLoop(ring))
+
+    if part.dimension == 2:
+        return int(occ.addPlaneSurface([loop(range(len(points)))]))
+    sides = [occ.addPlaneSurface([loop(face)]) for face in part.faces]
+    return int(occ.addVolume([occ.addSurfaceLoop(sides)]))
+
+
+# ---------------------------------------------------------------- of a surface
+
+
+def cells_of_surface(surface: Surface, size: float) -> Cells:
+    """Tetrahedra within a closed surface, whose facets are made anew from its own.
+
+    Between its sharp edges the surface is parametrised (Gmsh's discrete geometry); sharp edges keep
+    their own corners where these are not much nearer to one another than `size`.
+
+    Args:
+        surface: The surface.
+        size: Length of the edges of the cells, m.
+    """
+    if surface.bodies > 1:
+        raise ValueError(f"got {surface.bodies} bodies apart, allowed one")
+    with silent_model("surface"), _told("a surface"):
+        whole = gmsh.model.addDiscreteEntity(2)
+        used = np.unique(surface.triangles)
+        gmsh.model.mesh.addNodes(2, whole, used + 1, surface.points[used].ravel())
+        gmsh.model.mesh.addElementsByType(whole, 2, [], surface.triangles.ravel() + 1)
+        gmsh.model.mesh.classifySurfaces(math.radians(SHARP), True, True, math.pi)
+        own = {line: (_edges(line), _length(line)) for _, line in gmsh.model.getEntities(1)}
+        gmsh.model.mesh.createGeometry()
+        faces = [number for _, number in gmsh.model.getEntities(2)]
+        gmsh.model.geo.addVolume([gmsh.model.geo.addSurfaceLoop(faces)])
+        gmsh.model.geo.synchronize()  # forgets what is said of curves before it
+        for line, (count, length) in own.items():
+            coarse = max(1, math.ceil(length / size - 1e-9))
+            gmsh.model.mesh.setTransfiniteCurve(line, 1 + min(max(count, coarse), FINER * coarse))
+        with _options({"Mesh.MeshSizeMax": size, "Mesh.MeshSizeExtendFromBoundary": 0}):
+            gmsh.model.mesh.generate(3)
+        return cells_of_model(3)
+
+
+def _edges(line: int) -> int:
+    """Number of the edges of a discrete curve."""
+    _, numbers, _ = gmsh.model.mesh.getElements(1, line)
+    return sum(map(len, numbers))
+
+
+def _length(line: int) -> float:
+    """Length of a discrete curve, m."""
+    _, _, nodes = gmsh.model.mesh.getElements(1, line)
+    total = 0.0
+    for a, b in np.concatenate(nodes).reshape(-1, 2):
+        first, second = (np.array(gmsh.model.mesh.getNode(int(node))[0]) for node in (a, b))
+        total += float(np.linalg.norm(second - first))
+    return total
