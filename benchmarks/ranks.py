@@ -73,7 +73,7 @@ SCENES: dict[str, dict[str, Any]] = {
                 "between": ["top", "foundation"],
                 "at": [0.35, 0.1],
                 "to": [1.13, 0.0],
-                "stiffness": 1e6,
+                "stiffness": 1e5,
             },
             {
                 "name": "dab",
@@ -84,7 +84,7 @@ SCENES: dict[str, dict[str, Any]] = {
                 "strength": 100.0,
             },
         ],
-        "force": [{"on": "block", "face": "left", "pressure": 2000.0, "ramp": [0.0, 0.1]}],
+        "force": [{"on": "block", "face": "left", "pressure": 500.0, "ramp": [0.0, 0.1]}],
     },
     "elastic on elastic": {"block": [BLOCK, TOP | {"friction": 0.05}]},
     "rigid on elastic": {"block": [BLOCK, TOP | {"friction": 0.05, "model": "rigid"}]},

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any, Generic, NamedTuple, TypeVar
 
@@ -293,7 +293,7 @@ def _link(link: LinkSpec, poses: Mapping[str, Pose], places: Sequence[int]) -> B
 
 
 def _numbered(
-    holders: Iterator[Holder[Any]] | Any, d: int
+    holders: Collection[Holder[Any]], d: int
 ) -> tuple[dict[Holder[Any], int], dict[int, Attachment], Array]:
     """Number of the first place of each holder, the places of bodies, and those on the ground."""
     first: dict[Holder[Any], int] = {}

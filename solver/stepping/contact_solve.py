@@ -32,14 +32,7 @@ from solver.stepping.active_set import (
     EdgeWatch,
     points_beyond,
 )
-from solver.stepping.attached import (
-    Attached,
-    CorrectedBodies,
-    LinkCorrection,
-    Places,
-    Pull,
-    places_of,
-)
+from solver.stepping.attached import Attached, Pull
 from solver.stepping.balance import Balance, Contact, StepSolution
 from solver.stepping.delassus import (
     Delassus,
@@ -47,6 +40,12 @@ from solver.stepping.delassus import (
     Tangents,
     assembled,
     of_no_points,
+)
+from solver.stepping.link_correction import (
+    CorrectedBodies,
+    LinkCorrection,
+    Places,
+    places_of,
 )
 from solver.stepping.nonlinear import NonlinearSolver
 from solver.stepping.point_table import PointTable, copied, joined

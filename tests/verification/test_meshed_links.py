@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from rigid import table
 
 from rockslip import History, Result, Scene, SceneError, parse_scene, simulate
 from solver.kernels import meshed
@@ -283,6 +285,29 @@ def test_links_join_rigid_and_elastic_blocks() -> None:
     assert found[0][0] > 1000.0
     for other in found[1:]:
         assert other == pytest.approx(found[0], rel=2e-2, abs=20.0)
+
+
+def test_twist_locks_of_stiff_containers_pull_by_moments(tmp_path: Path) -> None:
+    """Of two on one another from g B/(2 h) = 0.470 g on, under a slow ramp of the ground."""
+    box = {"width": 2.438, "height": 2.591, "thickness": 6.058, "mass": 2300.0}
+    box |= {"young": 1e12, "poisson": 0.2, "cells": [2, 2]}
+    lock = {"kind": "twist-lock", "stiffness": 1e8, "damping": 1e6}
+    locks = [
+        lock | {"name": f"{name}{side}", "between": [below, name], "at": [x, level]}
+        for below, name, level in (("foundation", "low", 0.0), ("low", "up", 2.591))
+        for side, x in (("left", -1.219), ("right", 1.219))
+    ]
+    blocks = [box | {"name": "low"}, box | {"name": "up", "on": "low"}]
+    file = table(tmp_path, [(0.0, 0.0), (4.0, -0.7 * G)])
+    motion = {"kind": "table", "file": file, "units": "m/s2"}
+    history = run(scene(2, *blocks, end=4.0, step=1e-2, link=locks, motion=motion)).history
+    weight, shaking = 2 * 2300.0 * G, -history["base.acceleration_m_s2"]
+    tension = history["lowleft.force_N"]
+    moment = 2 * 2300.0 * (shaking * 2 * 2.591 - G * 2.438) / 2
+    assert np.abs(tension - np.maximum(moment / 2.438, 0.0)).max() < 3e-3 * weight
+    onset = shaking[np.flatnonzero(tension > 2e-3 * weight)[0]] / G
+    assert onset == pytest.approx(2.438 / (2 * 2.591), abs=6e-3)
+    assert np.abs(history["upleft.force_N"]).max() < 1e-3 * weight
 
 
 DECK = {"width": 3.0, "height": 0.3}
