@@ -288,11 +288,16 @@ template <int d> class FacetProjection {
         else return nearest_facet(point, where);
     }
 
-    /// The facet of a chain in the plane that a point is over, its coordinate there filled in.
+    /// The facet of chains in the plane that a point is over or nearest to, its coordinate there filled in.
     int facet_under(const Vec<1>& point, Vec<1>& where) const {
         const int last = static_cast<int>(shapes_.facets.length()) - 1;
         int facet = 0;
         while (facet < last && placed_[shapes_.facets(facet + 1, 0)][1] <= point[0]) facet++;
+        if (facet < last) {  // between two pieces of a face the nearer one
+            const double end = placed_[shapes_.facets(facet, 1)][1];
+            const double next = placed_[shapes_.facets(facet + 1, 0)][1];
+            if (next - point[0] < point[0] - end) facet++;
+        }
         const std::int64_t* nodes = nodes_of(facet);
         const double start = placed_[nodes[0]][1];
         where[0] = (point[0] - start) / (placed_[nodes[1]][1] - start);

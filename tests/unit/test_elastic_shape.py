@@ -289,3 +289,22 @@ def test_cautions_for_hollows() -> None:
     feet = {"name": "feet", "on": "slab", "width": 0.8, "height": 0.3, "feet": FEET}
     fine = scene({"name": "slab", "width": 1.0, "height": 0.2}, feet)
     assert cautions_of_input(fine, read_ground(fine)) == []
+
+
+def test_between_pieces_of_a_face_the_nearer_one_carries() -> None:
+    """In the plane, by the margin on both sides of a gap; farther away none does."""
+    pytest.importorskip("dolfinx")
+    from geometry.foundation import level_frame
+    from solver.contact.body_points import FixedPoints
+    from solver.contact.carriers import Face
+
+    places = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0]])
+    points = FixedPoints(places)
+    face = Face(points, np.array([[0, 1], [2, 3]]), level_frame(2), "interval", 1, 1e-5)
+    at = [-1e-6, 1 + 1e-6, 1 + 1e-4, 1.5, 2 - 1e-4, 2 - 1e-6, 2.5, 3 + 1e-6]
+    there = np.column_stack([at, np.full(8, 0.1)])
+    found = face.kinematics(there, points.observe(None))
+    assert found.place == pytest.approx(np.column_stack([np.full(8, 0.1), at]), abs=1e-12)
+    beyond = face.beyond_edge(found)
+    assert beyond is not None
+    assert beyond.tolist() == [False, False, True, True, True, False, False, False]

@@ -390,6 +390,20 @@ def test_pads_bear_what_statics_says(dimension: int, model: str, carrier: str) -
         assert right / weight == pytest.approx(share, abs=0.5 * size / (2 * reach))
 
 
+@pytest.mark.parametrize(("width", "offset"), [(0.2, 0.25), (0.2, -0.25), (0.7, 0.0)])
+@pytest.mark.parametrize("models", [("elastic", "elastic"), ("elastic", "rigid")])
+def test_a_box_stands_on_prongs(models: tuple[str, str], width: float, offset: float) -> None:
+    """On one of two whose edges are flush with its own, or on both: it is carried and upright."""
+    prongs = [[0.0, 0.0], [0.7, 0.0], [0.7, 0.6], [0.5, 0.6], [0.5, 0.2], [0.2, 0.2], [0.2, 0.6]]
+    low = polygon([*prongs, [0.0, 0.6]], name="low", model=models[0], young=1e9)
+    top = STONE | {"name": "top", "on": "low", "width": width, "height": 0.3, "offset": offset}
+    given = scene([low, top | {"model": models[1]}], 0.03, 1e-3)
+    history = run(given).history
+    weight = given.blocks[1].shape.mass * G
+    assert history["top.normal_force_N"] == pytest.approx(weight, rel=1e-6)
+    assert np.abs(history["top.angle_rad"]).max() < 2e-5
+
+
 @pytest.mark.parametrize("model", ["elastic", "rigid"])
 def test_a_box_flies_into_the_notch_of_an_l(model: str) -> None:
     """Without gravity: it touches the leg, not the hull, and momentum stays."""
