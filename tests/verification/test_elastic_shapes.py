@@ -346,6 +346,21 @@ def test_hollow_shapes_rock_as_rigid_ones(name: str, tilt: float) -> None:
     assert other == pytest.approx(one, abs=1e-2 * math.radians(3.0))
 
 
+def test_a_toppled_l_lies_on_the_corners_that_span_its_notch() -> None:
+    """On the tips of both legs, its centre as high over the line between them as geometry says."""
+    block = polygon(ELL, young=1e9, tilt_deg=80.0, angular_velocity=4.0)
+    given = scene(block, 1.0, 1e-3)
+    history = run(given).history
+    slant = math.degrees(math.atan2(0.7, -0.4))
+    angle = np.degrees(history["block.angle_rad"])
+    assert angle[-1] == pytest.approx(slant, abs=0.01)
+    assert history["block.penetration_m"].max() < 1e-4
+    centre = np.array(given.blocks[0].shape.centre_of_mass(2)) + np.array([0.3, 0.0])
+    way, off = np.array([-0.4, 0.7]), centre - [0.6, 0.2]
+    height = abs(way[0] * off[1] - way[1] * off[0]) / math.hypot(*way)
+    assert history["block.centre_y_m"][-1] == pytest.approx(height, abs=1e-4)
+
+
 @pytest.mark.parametrize("dimension", [2, 3])
 @pytest.mark.parametrize("model", ["elastic", "rigid"])
 @pytest.mark.parametrize("carrier", ["ground", "slab"])
