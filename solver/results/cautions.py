@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from solver.excitation.motion import GroundMotion
 from solver.excitation.sampled import SampledMotion
@@ -12,6 +12,9 @@ from solver.results.endings import motion_end
 from solver.scene import BlockSpec, MotionSpec, Scene
 from solver.scene.motion import G_UNIT
 from solver.scene.time import STEPS_A_PERIOD, TOLERANCE
+
+if TYPE_CHECKING:
+    from geometry.solid import Solid
 
 STRONGEST_G = 3.0
 """Peak acceleration of a motion above which its unit is in doubt, g: hardly any on the ground was
@@ -96,10 +99,10 @@ def _hulls(scene: Scene) -> list[str]:
     meshed = {b.name: b.shape.solid for b in scene.blocks if b.model != "rigid"}
     open_ones = [
         f"contacts see {name} where its surface is on its convex hull, which is larger by "
-        f"{percent(solid.hull_excess)} % of its volume: nothing touches it where it is hollow; "
+        f"{percent(excess)} % of its volume: nothing touches it where it is hollow; "
         "give parts as shape.union"
         for name, solid in meshed.items()
-        if solid is not None and solid.hull_excess > LARGEST_EXCESS
+        if solid is not None and (excess := _excess_of_hull(solid)) > LARGEST_EXCESS
     ]
     return open_ones + [
         f"contacts see {name} larger than its surface by {percent(solid.hull_excess)} % of its "
@@ -108,6 +111,15 @@ def _hulls(scene: Scene) -> list[str]:
         for name, solid in solids.items()
         if solid is not None and solid.hull_excess > LARGEST_EXCESS
     ]
+
+
+def _excess_of_hull(solid: Solid) -> float:
+    """Volume of the hull of a surface over its own, minus 1; 0 without a surface."""
+    if solid.surface is None:
+        return 0.0
+    from geometry.solid import of_surface  # numpy and more
+
+    return of_surface(solid.surface, 1.0, only_hull=True).hull_excess
 
 
 def _hollows(scene: Scene) -> list[str]:
