@@ -455,6 +455,18 @@ def test_a_vase_is_meshed_by_its_true_surface(tmp_path: Path) -> None:
             assert other == pytest.approx(one, abs=1e-2 * math.radians(4.0))
 
 
+def test_a_vase_lifts_at_its_own_arm_over_height(tmp_path: Path) -> None:
+    """As the ground's acceleration grows slowly, to within 1 %."""
+    shape = {"shape": {"file": str(write_stl(tmp_path / "vase.stl", *vase(48, 20)))}}
+    limit = scene(STONE | shape, 1.0, 2e-3, **SPACE).blocks[0].shape.uplift(1)
+    file, slope, end = tmp_path / "ramp.csv", limit / 2.0, 2.4
+    file.write_text(f"0,0\n{end!r},{-slope * end!r}\n")
+    motion = {"kind": "table", "file": str(file)}
+    history = run(scene(STONE | shape, end, 2e-3, motion=motion, **SPACE)).history
+    found = slope * lift_off(history["time_s"], history["block.angle_rad"], 1e-3, 2e-2)
+    assert found == pytest.approx(limit, rel=1e-2)
+
+
 SIDES = {"width": 0.3, "thickness": 0.4, "height": 0.8}
 GRID = [np.linspace(-0.15, 0.15, 4), np.linspace(-0.2, 0.2, 5), np.linspace(0.0, 0.8, 7)]
 
