@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import nullcontext
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -14,6 +14,7 @@ import numpy as np
 from dolfinx.mesh import Mesh, MeshTags
 from numpy.typing import NDArray
 
+from geometry.cells import silent_model
 from geometry.compat import model_to_mesh
 from geometry.tags import CellTag, FacetTag
 from solver.types import Array, Indices, Mask
@@ -35,32 +36,11 @@ class MeshedBody:
 
 def make(name: str, build: Callable[[], None], dimension: int, comm: MPI.Intracomm) -> MeshedBody:
     """The mesh that `build` makes in a new Gmsh model, called on rank 0; collective."""
-    with _model(name, comm):
+    with silent_model(name) if comm.rank == 0 else nullcontext():
         if comm.rank == 0:
             build()
         mesh, cell_tags, facet_tags = model_to_mesh(gmsh.model, comm, dimension)
     return MeshedBody(mesh=mesh, cell_tags=cell_tags, facet_tags=facet_tags)
-
-
-@contextmanager
-def _model(name: str, comm: MPI.Intracomm) -> Iterator[None]:
-    """A silent Gmsh model on rank 0; leaves no trace, also in a Gmsh that the caller has open."""
-    if comm.rank != 0:
-        yield
-        return
-    ours = not gmsh.isInitialized()
-    if ours:
-        gmsh.initialize(readConfigFiles=False, interruptible=False)
-    terminal = gmsh.option.getNumber("General.Terminal")
-    gmsh.option.setNumber("General.Terminal", 0)
-    gmsh.model.add(name)
-    try:
-        yield
-    finally:
-        gmsh.model.remove()
-        gmsh.option.setNumber("General.Terminal", terminal)
-        if ours:
-            gmsh.finalize()
 
 
 def rectangle(x: Array, y: Array, tag: CellTag, *, triangles: bool) -> None:

@@ -14,11 +14,8 @@ from geometry.cells import Cells, cells_of_model, silent_model
 from geometry.polygon import told
 from solver.types import Array, Indices
 
-MESHES = (".msh",)
-"""Ends of the names of files that are meshes."""
-
 STEPS = (".step", ".stp")
-"""Those of files that are bodies of which Gmsh makes a mesh."""
+"""Ends of the names of files with a body of which Gmsh makes a mesh."""
 
 FINE = 16
 """Parts of the geometric mean of the sides of the box around the body of a STEP file that the edges

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from solver.excitation.motion import GroundMotion
 from solver.excitation.sampled import SampledMotion
@@ -12,6 +12,9 @@ from solver.results.endings import motion_end
 from solver.scene import BlockSpec, MotionSpec, Scene
 from solver.scene.motion import G_UNIT
 from solver.scene.time import STEPS_A_PERIOD, TOLERANCE
+
+if TYPE_CHECKING:
+    from geometry.solid import Solid
 
 STRONGEST_G = 3.0
 """Peak acceleration of a motion above which its unit is in doubt, g: hardly any on the ground was
@@ -95,18 +98,31 @@ def _hulls(scene: Scene) -> list[str]:
     found = []
     for block in scene.blocks:
         solid, spec = block.shape.solid, block.given_shape
-        if solid is None or spec is None or not solid.hull_excess > LARGEST_EXCESS:
+        if solid is None or spec is None:
             continue
-        excess = f"larger by {percent(solid.hull_excess)} % of its volume"
-        if block.model == "elastic":
-            seen = f"{block.name} where its surface is on its convex hull, which is {excess}: "
+        meshed = block.model == "elastic"
+        excess = _excess_of_hull(solid) if meshed else solid.hull_excess
+        if not excess > LARGEST_EXCESS:
+            continue
+        larger = f"larger by {percent(excess)} % of its volume"
+        if meshed:
+            seen = f"{block.name} where its surface is on its convex hull, which is {larger}: "
             seen += "nothing touches it where it is hollow"
         else:
             what = "its convex hull" if len(solid.parts) == 1 else "convex parts"
-            seen = f"{block.name} as {what}, {excess}: others touch it where it is hollow"
+            seen = f"{block.name} as {what}, {larger}: others touch it where it is hollow"
         parts = "; give parts as shape.union" if spec.kind == "file" else ""
         found.append(f"contacts see {seen}{parts}")
     return found
+
+
+def _excess_of_hull(solid: Solid) -> float:
+    """Volume of the hull of a surface over its own, minus 1; 0 without a surface."""
+    if solid.surface is None:
+        return 0.0
+    from geometry.solid import of_surface  # numpy and more
+
+    return of_surface(solid.surface, 1.0, parts="hull").hull_excess
 
 
 def _hollows(scene: Scene) -> list[str]:

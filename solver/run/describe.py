@@ -140,7 +140,7 @@ def _outline(block: BlockSpec, shape: Block) -> Lines:
         more = solid.hull_excess
         how = "convex hull" if count == 1 else parts
         if block.model == "elastic":
-            how = "faces that its mesh shares with its convex hull"
+            how = "convex hull where its mesh has it"
         text = f"{len(surface.triangles)} triangles; contacts see its {how}, "
         text += f"{percent(abs(more))} % {'larger' if more >= 0 else 'smaller'}"
         if solid.coarse:

@@ -357,6 +357,21 @@ def test_hollow_shapes_rock_as_rigid_ones(name: str, tilt: float) -> None:
     assert other == pytest.approx(one, abs=1e-2 * math.radians(3.0))
 
 
+def test_a_toppled_l_lies_on_the_corners_that_span_its_notch() -> None:
+    """On the tips of both legs, its centre as high over the line between them as geometry says."""
+    block = polygon(ELL, young=1e9, tilt_deg=80.0, angular_velocity=4.0)
+    given = scene(block, 1.0, 1e-3)
+    history = run(given).history
+    slant = math.degrees(math.atan2(0.7, -0.4))
+    angle = np.degrees(history["block.angle_rad"])
+    assert angle[-1] == pytest.approx(slant, abs=0.01)
+    assert history["block.penetration_m"].max() < 1e-4
+    centre = np.array(given.blocks[0].shape.centre_of_mass(2)) + np.array([0.3, 0.0])
+    way, off = np.array([-0.4, 0.7]), centre - [0.6, 0.2]
+    height = abs(way[0] * off[1] - way[1] * off[0]) / math.hypot(*way)
+    assert history["block.centre_y_m"][-1] == pytest.approx(height, abs=1e-4)
+
+
 @pytest.mark.parametrize("dimension", [2, 3])
 @pytest.mark.parametrize("model", ["elastic", "rigid"])
 @pytest.mark.parametrize("carrier", ["ground", "slab"])
@@ -449,6 +464,18 @@ def test_a_vase_is_meshed_by_its_true_surface(tmp_path: Path) -> None:
                 for each in (rigid.history, elastic)
             )
             assert other == pytest.approx(one, abs=1e-2 * math.radians(4.0))
+
+
+def test_a_vase_lifts_at_its_own_arm_over_height(tmp_path: Path) -> None:
+    """As the ground's acceleration grows slowly, to within 1 %."""
+    shape = {"shape": {"file": str(write_stl(tmp_path / "vase.stl", *vase(48, 20)))}}
+    limit = scene(STONE | shape, 1.0, 2e-3, **SPACE).blocks[0].shape.uplift(1)
+    file, slope, end = tmp_path / "ramp.csv", limit / 2.0, 2.4
+    file.write_text(f"0,0\n{end!r},{-slope * end!r}\n")
+    motion = {"kind": "table", "file": str(file)}
+    history = run(scene(STONE | shape, end, 2e-3, motion=motion, **SPACE)).history
+    found = slope * lift_off(history["time_s"], history["block.angle_rad"], 1e-3, 2e-2)
+    assert found == pytest.approx(limit, rel=1e-2)
 
 
 SIDES = {"width": 0.3, "thickness": 0.4, "height": 0.8}
