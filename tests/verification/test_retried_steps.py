@@ -26,7 +26,7 @@ def tilted(**contact: Any) -> Scene:
     """A block that falls over its corner: its side joins in the first steps."""
     return parse_scene(
         {
-            "block": [BLOCK | {"cells": [2, 3], "tilt_deg": 29.9}],
+            "block": [BLOCK | {"cells": [2, 3], "tilt_deg": 26.6}],
             "contact": {"friction": 0.5} | contact,
             "damping": {"stiffness": 0.0},
             "time": {"end": 1.0, "step": 2e-3},
