@@ -296,11 +296,23 @@ def test_parts_and_inertia_are_those_of_any_block() -> None:
     assert (block.shape.arm(1), block.shape.arm(-1)) == pytest.approx((1.019, 1.419))
 
 
-def test_a_container_is_rigid_and_meets_nothing_that_is_meshed() -> None:
-    elastic = {"width": 1.0, "height": 1.0, "mass": 1e3, "young": 1e9, "poisson": 0.2}
-    beside = elastic | {"name": "other", "offset": 9.0, "thickness": 6.058}
-    with pytest.raises(SceneError, match=r"^block\.container applies to scenes in which nothing"):
-        scene(2, EMPTY, beside, end=1.0)
+@pytest.mark.parametrize("d", [2, 3])
+def test_a_container_stands_on_what_is_meshed(d: int) -> None:
+    """On an elastic plate: each casting bears its part of the weight."""
+    pytest.importorskip("dolfinx")
+    plate = {"kind": "elastic", "support": "bottom", "width": 4.0, "height": 0.2, "young": 3e10}
+    plate |= {"cells": [8, 2]} if d == 2 else {"thickness": 8.0, "cells": [8, 8, 2]}
+    given = scene(
+        d, EMPTY, end=0.02, step=2e-3, foundation=plate | {"density": 2500.0, "poisson": 0.2}
+    )
+    history, feet = run(given).history, 2 ** (d - 1)
+    forces = [history[f"block.foot_{k}.normal_force_N"][-1] for k in range(1, feet + 1)]
+    assert forces == pytest.approx([2300.0 * G / feet] * feet, rel=1e-3)
+
+
+def test_a_container_is_rigid() -> None:
+    with pytest.raises(SceneError, match=r"^block\.container applies to blocks with model = "):
+        scene(2, EMPTY | {"model": "elastic", "young": 1e9, "poisson": 0.2}, end=1.0)
 
 
 # ------------------------------------------------------------------ feet of boxes

@@ -314,7 +314,7 @@ def thrown(block: dict[str, Any], **tables: Any) -> Scene:
     return scene(block | keys, 1.0, 1e-3, dimension=3, gravity=0.0, **tables)
 
 
-TENSOR = [[60.0, 5.0, -8.0], [5.0, 50.0, 3.0], [-8.0, 3.0, 30.0]]
+TENSOR = [[62.0, 5.0, -8.0], [5.0, 46.0, 3.0], [-8.0, 3.0, 28.0]]
 
 HELD = {"thickness": 4.0, "cells": [2, 2, 1], "kind": "elastic", "width": 4.0, "height": 0.2}
 
