@@ -264,7 +264,7 @@ def test_slenderness_in_space_is_that_of_the_way_it_leans() -> None:
         found = leaning(history, given.blocks[0])
         assert found.shape.slenderness(int(np.sign(found.angle[0]))) == pytest.approx(wanted)
         motion = block_motion(given, history, given.blocks[0])
-        assert np.broadcast_to(motion.slenderness, (11,))[0] == pytest.approx(wanted)
+        assert np.broadcast_to(motion.tipping.balance, (11,))[0] == pytest.approx(wanted)
 
 
 # ---------------------------------------------------------------- scenes
