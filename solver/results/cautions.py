@@ -104,15 +104,16 @@ def _hulls(scene: Scene) -> list[str]:
         excess = _excess_of_hull(solid) if meshed else solid.hull_excess
         if not excess > LARGEST_EXCESS:
             continue
-        larger = f"larger by {percent(excess)} % of its volume"
+        larger = f"by {percent(excess)} % of its volume"
         if meshed:
-            seen = f"{block.name} where its surface is on its convex hull, which is {larger}: "
+            seen = f"where its surface is on its convex hull, which is larger {larger}: "
             seen += "nothing touches it where it is hollow"
         else:
             what = "its convex hull" if len(solid.parts) == 1 else "convex parts"
-            seen = f"{block.name} as {what}, {larger}: others touch it where it is hollow"
+            seen = f"larger than its surface {larger}, as {what}: "
+            seen += "others touch it where it is hollow"
         parts = "; give parts as shape.union" if spec.kind == "file" else ""
-        found.append(f"contacts see {seen}{parts}")
+        found.append(f"contacts see {block.name} {seen}{parts}")
     return found
 
 
