@@ -82,7 +82,7 @@ def test_its_checks_can_fail(left: tuple[str, Path]) -> None:
 
 
 SCRIPTS = {
-    "free_rocking/free_rocking.py": "time.end=0.95",
+    "free_rocking/free_rocking.py": "time.end=0.6",
     "frame/block_on_frame.py": "time.end=0.5",
 }
 
