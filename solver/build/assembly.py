@@ -43,7 +43,6 @@ class BlockBody:
         stand: From the body's reference configuration to where it begins.
         surface: Its surface, that of its convex hull.
         parts: Those of its convex parts; of a convex body its surface.
-        facet_tags: Of its mesh; None: it is rigid.
         carriers: Numbers of the bodies that carry it.
     """
 
@@ -53,7 +52,6 @@ class BlockBody:
     stand: Pose
     surface: BlockSurface
     parts: tuple[BlockSurface, ...]
-    facet_tags: MeshTags | None = None
     carriers: tuple[int, ...] = ()
 
 
@@ -100,10 +98,7 @@ def build(
     for member in members:
         member.carriers = tuple(names[name] for name in member.spec.carriers if name in names)
     system = System(bodies)
-    blocks = [
-        AttachedBlock(m.spec, m.body, m.number, placed[m.spec.name][0], m.facet_tags)
-        for m in members
-    ]
+    blocks = [AttachedBlock(m.spec, m.body, m.number, placed[m.spec.name][0]) for m in members]
     stepper = Stepper(
         system,
         pairs,
@@ -138,7 +133,7 @@ def _member(scene: Scene, number: int, placed: tuple[Pose, Pose], comm: MPI.Intr
         density=relative_density(spec, made.mesh, upright(np.zeros((1, scene.dimension)))[0]),
     )
     surfaces = _surfaces(scene, spec, elastic, number, upright, faces, made.facet_tags)
-    return BlockBody(spec, elastic, number, stand, *surfaces, made.facet_tags)
+    return BlockBody(spec, elastic, number, stand, *surfaces)
 
 
 def _surfaces(
