@@ -17,7 +17,7 @@ from body_files import boxes, vase, write_by_gmsh, write_stl
 from processes import on_ranks
 
 from rockslip import History, Result, Scene, parse_scene, simulate
-from solver.errors import RockslipError
+from solver.errors import RockslipError, SceneError
 from solver.reference.housner import housner, housner_restitution
 from solver.types import Array
 
@@ -464,6 +464,23 @@ def test_a_vase_is_meshed_by_its_true_surface(tmp_path: Path) -> None:
                 for each in (rigid.history, elastic)
             )
             assert other == pytest.approx(one, abs=1e-2 * math.radians(4.0))
+
+
+def test_a_hollow_profile_is_meshed_by_its_true_surface() -> None:
+    """All of the mass of its wall, and the centre; it stands. Beside others it is refused."""
+    wall = [[0.0, 0.0], [0.1, 0.0], [0.14, 0.2], [0.06, 0.4], [0.05, 0.4], [0.11, 0.2]]
+    shape = {"profile": [*wall, [0.08, 0.03], [0.0, 0.03]], "sides": 12}
+    given = scene(STONE | {"shape": shape, "cell_size": 0.05}, 0.01, 1e-3, dimension=3)
+    solid = given.blocks[0].shape.solid
+    assert solid is not None and solid.surface is not None
+    member = build(given).members[0].body
+    assert member.mass == pytest.approx(solid.mass, rel=1e-12)
+    assert member.centre == pytest.approx(solid.centre, abs=5e-3 * solid.size)
+    history = run(given).history
+    assert history["block.normal_force_N"] == pytest.approx(solid.mass * G, rel=1e-6)
+    both = {"union": [shape, {"cylinder": 0.1, "height": 0.1, "at": [0.0, 0.0, 0.5]}]}
+    with pytest.raises(SceneError, match=r"shape: got a union with a file or a hollow profile"):
+        scene(STONE | {"shape": both}, 0.01, 1e-3, dimension=3)
 
 
 def test_a_vase_lifts_at_its_own_arm_over_height(tmp_path: Path) -> None:
