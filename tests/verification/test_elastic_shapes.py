@@ -419,6 +419,22 @@ def test_a_box_stands_on_prongs(models: tuple[str, str], width: float, offset: f
     assert np.abs(history["top.angle_rad"]).max() < 2e-5
 
 
+@pytest.mark.parametrize("models", [("elastic", "elastic"), ("elastic", "rigid")])
+def test_a_box_stands_between_prongs(models: tuple[str, str]) -> None:
+    """On the floor between two, which the hull spans: carried and upright from the start."""
+    prongs = [[0.0, 0.0], [0.7, 0.0], [0.7, 0.6], [0.5, 0.6], [0.5, 0.5], [0.2, 0.5], [0.2, 0.6]]
+    low = polygon([*prongs, [0.0, 0.6]], name="low", model=models[0], young=1e9)
+    top = STONE | {"name": "top", "on": "low", "width": 0.2, "height": 0.4, "offset": 0.03}
+    given = scene([low, top | {"model": models[1]}], 0.03, 1e-3)
+    history = run(given).history
+    assert history["top.centre_y_m"] == pytest.approx(0.5 + 0.2, abs=2e-5)
+    weight = given.blocks[1].shape.mass * G
+    assert history["top.normal_force_N"] == pytest.approx(weight, rel=1e-6)
+    assert np.abs(history["top.angle_rad"]).max() < 2e-5
+    with pytest.raises(SceneError, match=r"top\.on names low, beside whose top it stands"):
+        scene([low, top | {"height": 0.1}], 0.03, 1e-3)
+
+
 @pytest.mark.parametrize("model", ["elastic", "rigid"])
 def test_a_box_flies_into_the_notch_of_an_l(model: str) -> None:
     """Without gravity: it touches the leg, not the hull, and momentum stays."""
