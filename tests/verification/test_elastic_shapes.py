@@ -166,6 +166,29 @@ def test_a_regular_polygon_rolls_down_an_incline(count: int) -> None:
     assert elastic.history["block.angle_rad"][-1] > turn
 
 
+def test_a_rigid_drum_rolls_on_a_plate_without_slip() -> None:
+    """As on the ground to its first landing; then over five sides, none of which is slip.
+
+    It hops as its sides land, and what it flies is in that column, too.
+    """
+    drum = {"model": "rigid", "shape": {"regular": 16}, "width": 0.6, "density": 2400.0}
+    drum |= {"offset": -1.0, "friction": 2.0}
+    plate = {"kind": "elastic", "support": "bottom", "width": 6.0, "height": 0.2, "cells": [60, 1]}
+    plate |= {"density": 2400.0, "young": 3e10, "poisson": 0.2, "damping": {"stiffness": 1e-4}}
+    tables = {"gravity_tilt_deg": 20.0}
+    rigid = simulate(scene(drum, 1.0, 1e-3, **tables))
+    meshed = run(scene(drum, 1.0, None, foundation=plate, **tables)).history
+    side = 0.6 * math.sin(math.pi / 16)
+    end = float(np.interp(math.pi / 8, rigid.history["block.angle_rad"], rigid.history["time_s"]))
+    at = np.linspace(0.3, 0.98, 20) * end
+    one, other = (
+        np.interp(at, each["time_s"], each["block.angle_rad"]) for each in (rigid.history, meshed)
+    )
+    assert other == pytest.approx(one, rel=1e-2)
+    assert np.ptp(meshed["block.centre_x_m"]) > 5.0 * side
+    assert np.abs(meshed["block.slip_m"]).max() < 0.3 * side
+
+
 @pytest.mark.parametrize("tilt", [0.0, 1e-9, -1e-9])
 def test_round_off_does_not_decide_which_sides_face_the_ground(tilt: float) -> None:
     """Those beside the bottom of a hexagon are 60 degrees off, and have their points there."""
