@@ -50,6 +50,7 @@ __all__ = [
     "chord_error",
     "common_depth",
     "cylinder",
+    "descent",
     "hull",
     "of_surface",
     "polygon",
@@ -71,6 +72,10 @@ off by no more than `COARSE`."""
 COARSE = 1e-4
 """How far a point of a fine surface may be off its hull, as a part of the size; twice as far, and
 so on, where the hull has more corners than contacts have numbers for."""
+
+BRUSHES = 1e-6
+"""Distance, as a part of the size, by which two bodies have at least to be in one another for one
+to stop the other as it goes down."""
 
 MOST_SIDES = 1000
 """Facets that a round shape may have."""
@@ -593,6 +598,56 @@ def common_depth(first: Sequence[Convex], second: Sequence[Convex]) -> float:
     return max(
         (max(2 * radius, 0.0) for radius, _ in _common_balls(first, second, 0.0)), default=0.0
     )
+
+
+def descent(upper: Sequence[Convex], lower: Sequence[Convex]) -> float:
+    """How far a body may go down before it touches another one, m.
+
+    Infinite if it misses that; below 0 where it is in it, or below it.
+
+    Args:
+        upper: Parts of the body that goes down.
+        lower: Parts of the other one.
+    """
+    pairs = sorted(
+        (float(one.corners[:, -1].min() - other.corners[:, -1].max()), k, j)
+        for k, one in enumerate(upper)
+        for j, other in enumerate(lower)
+        if not _misses(one, other)
+    )
+    best = np.inf
+    for least, k, j in pairs:
+        if least >= best:
+            break
+        best = min(best, _descent_of_part(upper[k], lower[j]))
+    return best
+
+
+def _misses(one: Convex, other: Convex) -> bool:
+    """True if the boxes around two parts have nothing in common seen from above."""
+    low = np.maximum(one.corners.min(axis=0), other.corners.min(axis=0))
+    high = np.minimum(one.corners.max(axis=0), other.corners.max(axis=0))
+    return bool((high - low)[:-1].min() <= 0)
+
+
+def _descent_of_part(one: Convex, other: Convex) -> float:
+    """The same for two parts, by linear programming; infinite also where one brushes the other."""
+    from scipy.optimize import linprog  # slow to import
+
+    size = size_of(np.concatenate([one.corners, other.corners]))
+    origin = one.corners.mean(axis=0)
+    rows, levels = [], []
+    for shape, share in ((one, 0.0), (other, -1.0)):
+        starts = (shape.corners[[face[0] for face in shape.faces]] - origin) / size
+        rows.append(np.column_stack([shape.normals, share * shape.normals[:, -1]]))
+        levels.append(np.einsum("ni,ni->n", shape.normals, starts))
+    goal = np.append(np.zeros(one.dimension), 1.0)
+    for within in (BRUSHES, 0.0):
+        most = np.concatenate(levels) - within
+        found = linprog(goal, A_ub=np.concatenate(rows), b_ub=most, bounds=(None, None))
+        if not found.success:
+            return np.inf
+    return float(found.x[-1]) * size
 
 
 def _common_balls(

@@ -23,7 +23,7 @@ from solver.contact.pairs import FacePair, FloorSurface
 from solver.contact.surfaces import BlockSurface
 from solver.excitation.motion import GroundMotion, read_ground
 from solver.scene import BlockSpec, Scene
-from solver.scene.places import stands
+from solver.scene.places import standing_part, stands
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.stepping.contact_solve import StepFailed
 from solver.stepping.state import State
@@ -43,7 +43,6 @@ class BlockBody:
         stand: From the body's reference configuration to where it begins.
         surface: Its surface, that of its convex hull.
         parts: Those of its convex parts; of a convex body its surface.
-        facet_tags: Of its mesh; None: it is rigid.
         carriers: Numbers of the bodies that carry it.
     """
 
@@ -53,7 +52,6 @@ class BlockBody:
     stand: Pose
     surface: BlockSurface
     parts: tuple[BlockSurface, ...]
-    facet_tags: MeshTags | None = None
     carriers: tuple[int, ...] = ()
 
 
@@ -94,16 +92,23 @@ def build(
     if support.body is not None:
         bodies.append(support.body)
     floor = FloorSurface(support.carrier(), support.number, scene.dimension)
-    pairs = [_standing(scene, member, members, floor) for member in members]
-    pairs += _meetings(scene, members, floor)
+    carried = [_below(scene, member, members, floor) for member in members]
+    pairs = [
+        FacePair(
+            member.surface,
+            below,
+            scene.friction_of(member.spec),
+            bed=scene.bed_of(member.spec),
+            stands=True,
+        )
+        for member, below in zip(members, carried, strict=True)
+    ]
+    pairs += _meetings(scene, members, carried, floor)
     names = {member.spec.name: member.number for member in members}
     for member in members:
         member.carriers = tuple(names[name] for name in member.spec.carriers if name in names)
     system = System(bodies)
-    blocks = [
-        AttachedBlock(m.spec, m.body, m.number, placed[m.spec.name][0], m.facet_tags)
-        for m in members
-    ]
+    blocks = [AttachedBlock(m.spec, m.body, m.number, placed[m.spec.name][0]) for m in members]
     stepper = Stepper(
         system,
         pairs,
@@ -138,7 +143,7 @@ def _member(scene: Scene, number: int, placed: tuple[Pose, Pose], comm: MPI.Intr
         density=relative_density(spec, made.mesh, upright(np.zeros((1, scene.dimension)))[0]),
     )
     surfaces = _surfaces(scene, spec, elastic, number, upright, faces, made.facet_tags)
-    return BlockBody(spec, elastic, number, stand, *surfaces, made.facet_tags)
+    return BlockBody(spec, elastic, number, stand, *surfaces)
 
 
 def _surfaces(
@@ -173,20 +178,24 @@ def _surfaces(
     return hull, tuple(parts) or (hull,)
 
 
-def _standing(
+def _below(
     scene: Scene, member: BlockBody, members: Sequence[BlockBody], floor: FloorSurface
-) -> FacePair:
-    """A block and what it stands on, of several bodies the first."""
-    law, bed = scene.friction_of(member.spec), scene.bed_of(member.spec)
+) -> BlockSurface | FloorSurface:
+    """What a block stands on, of several bodies the first: its hull, or a part in a hollow."""
     below = next((other for other in members if other.spec.name == member.spec.carrier), None)
-    surface = floor if below is None else below.surface
-    return FacePair(member.surface, surface, law, bed=bed, stands=True)
+    if below is None:
+        return floor
+    part = standing_part(member.spec, below.spec, scene.poses(), scene.dimension)
+    return below.surface if part is None or len(below.parts) == 1 else below.parts[part]
 
 
 def _meetings(
-    scene: Scene, members: Sequence[BlockBody], floor: FloorSurface
+    scene: Scene,
+    members: Sequence[BlockBody],
+    carried: Sequence[BlockSurface | FloorSurface],
+    floor: FloorSurface,
 ) -> Iterator[FacePair]:
-    """All other pairs of bodies that may meet."""
+    """All pairs of bodies that may meet, but for blocks and what they stand on, `carried`."""
     laws = scene.laws
     for one, other in combinations(members, 2):
         law = laws.between(one.spec.name, other.spec.name)[0]
@@ -194,6 +203,10 @@ def _meetings(
             if lower.spec.name in upper.spec.carriers[1:]:
                 yield FacePair(upper.surface, lower.surface, law, bed=scene.bed_of(upper.spec))
             elif lower.spec.name == upper.spec.carrier:
+                if carried[upper.number] is not lower.surface:
+                    rest = [part for part in lower.parts if part is not carried[upper.number]]
+                    for own, others in product(upper.parts, rest):
+                        yield FacePair(own, others, law)
                 break
         else:
             if not {one.spec.name, other.spec.name} & {*one.spec.carriers, *other.spec.carriers}:

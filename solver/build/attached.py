@@ -9,10 +9,8 @@ from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 import scipy.sparse as sp
-from dolfinx import mesh
 
 from geometry.arrangement import Pose, level
-from geometry.tags import FacetTag
 from solver.bodies.attachment import (
     Attachment,
     MeshedAttachment,
@@ -28,7 +26,7 @@ from solver.bodies.reduced_body import ReducedBody
 from solver.bodies.rigid_body import DenseBody, RigidBox
 from solver.build.foundation import FoundationBody
 from solver.contact.carriers import Face
-from solver.rigid.forces import mean_factor, place_of, whole_force
+from solver.rigid.forces import face_corners, mean_factor, place_of, whole_force
 from solver.rigid.links import laws_of, sense_of
 from solver.scene import BlockSpec, Scene
 from solver.scene.force import ForceSpec
@@ -48,14 +46,12 @@ class AttachedBlock(NamedTuple):
         body: The body.
         number: Of the body in the system.
         upright: From its own frame to where it is meshed.
-        facet_tags: Of its mesh; None: it is rigid.
     """
 
     spec: BlockSpec
     body: ElasticBody | RigidBox
     number: int
     upright: Pose
-    facet_tags: mesh.MeshTags | None
 
 
 Place = TypeVar("Place")
@@ -150,8 +146,8 @@ class MeshedHolder(Holder[MeshedPlace]):
     def __init__(self, block: AttachedBlock):
         """Take the block."""
         super().__init__(block.number)
-        assert isinstance(block.body, ElasticBody) and block.facet_tags is not None
-        self._body, self._upright, self._tags = block.body, block.upright, block.facet_tags
+        assert isinstance(block.body, ElasticBody)
+        self._body, self._upright, self._shape = block.body, block.upright, block.spec.shape
         self._axes: list[MeshedPlace] | None = None
 
     def point(self, place: Array) -> MeshedPlace:
@@ -169,7 +165,8 @@ class MeshedHolder(Holder[MeshedPlace]):
     def acted_on(self, force: ForceSpec) -> MeshedPlace:
         """The mean of a face, a point, or the centre of mass."""
         if force.face is not None:
-            return face_of(self._body, self._tags, int(FacetTag[force.face.upper()]))
+            corners = np.array(face_corners(force, self._shape, self._body.dimension))
+            return face_of(self._body, *self._upright(corners))
         if force.at is not None:
             return self.point(np.array(force.at))
         return centre_of(self._body)

@@ -130,10 +130,14 @@ def _hollows(scene: Scene) -> list[str]:
     """Blocks that stand on others, meshed, which meet by their hulls though they are not convex."""
     if scene.is_rigid:
         return []
+    from solver.scene.places import standing_part  # numpy and more
+
     known = {block.name: block for block in scene.blocks}
-    found = []
+    found, placed = list[str](), scene.poses()
     for upper in scene.blocks:
         for lower in (known[name] for name in upper.carriers if name in known):
+            if standing_part(upper, lower, placed, scene.dimension) is not None:
+                continue
             narrow = lower.width < upper.width or lower.thickness < upper.thickness
             for block, counts in ((lower, True), (upper, narrow)):
                 solid = block.shape.solid

@@ -28,11 +28,8 @@ def arm_of(spec: ForceSpec, pose: Pose, shape: Block, centre: Array) -> Array:
 def place_of(spec: ForceSpec, shape: Block, d: int) -> Array:
     """Place at which a force acts, in the block's own frame, (d,), m."""
     if spec.pressure is not None:
-        low, high = _box(shape, d)
-        own: Array = (low + high) / 2
-        axis, sense = _normal(spec, d)
-        own[axis] = low[axis] if sense > 0 else high[axis]
-        return own
+        low, high = face_corners(spec, shape, d)
+        return np.asarray((low + high) / 2)
     return np.array(shape.centre_of_mass(d) if spec.at is None else spec.at)
 
 
@@ -42,16 +39,22 @@ def whole_force(spec: ForceSpec, pose: Pose, shape: Block) -> Array:
         return np.array(spec.force)
     d = len(pose.place)
     axis, sense = _normal(spec, d)
-    low, high = _box(shape, d)
+    low, high = face_corners(spec, shape, d)
     area = float(np.prod(np.delete(high - low, axis))) * (shape.thickness if d == 2 else 1.0)
     return np.asarray(spec.pressure * area * sense * pose.rotation[:, axis])
 
 
-def _box(shape: Block, d: int) -> tuple[Array, Array]:
-    """Lowest and highest corner of a box, or of the one that stands on feet, m."""
+def face_corners(spec: ForceSpec, shape: Block, d: int) -> tuple[Array, Array]:
+    """Lowest and highest corner of the face of a pressure, in the block's own frame, (d,), m.
+
+    Of a block on feet it is a face of the box on them.
+    """
     half = np.array(shape.half_lengths(d)[:-1])
-    low, high = shape.walls or (0.0, shape.height)
-    return np.append(-half, low), np.append(half, high)
+    bottom, top = shape.walls or (0.0, shape.height)
+    low, high = np.append(-half, bottom), np.append(half, top)
+    axis, sense = _normal(spec, d)
+    low[axis] = high[axis] = low[axis] if sense > 0 else high[axis]
+    return low, high
 
 
 def _normal(spec: ForceSpec, d: int) -> tuple[int, float]:

@@ -282,8 +282,11 @@ class BlockObserver:
         lowest = touching(*self._points(memory))
         reference = along + (place[lowest, 1:] - along[lowest]).mean(axis=0)
         keys = interface.keys()
-        tag = points.points.tag if isinstance(points, NitschePoints) else np.zeros(points.count)
-        same = np.flatnonzero(tag == tag[lowest[0]])
+        if isinstance(points, NitschePoints):
+            same = np.flatnonzero(points.points.tag == points.points.tag[lowest[0]])
+        else:  # all corners of a rigid body
+            heights = points.reference[:, -1]
+            same = np.flatnonzero(heights <= heights.min() + self._level)
         return {keys[q]: reference[q] for q in same}
 
     def _set_reference(self, memory: Memory) -> None:

@@ -421,6 +421,9 @@ class BlockSpec(Checked):
             return {}
         self.given_shape.in_dimension(dimension)
         solid = solid_of(self.given_shape, self._shape_sizes, dimension)
+        if self.model == "elastic" and solid.surface is not None and self.given_shape.union:
+            allowed = f"one of these alone, a union of other shapes, or {RIGID_MODEL}"
+            raise SceneError("shape", "a union with a file or a hollow profile", allowed)
         x, *y, z = map(float, solid.high - solid.low)
         found: dict[str, Any] = {"width": x, "height": z}
         if self.given_shape.kind == "regular":  # whose width is that of its circle

@@ -18,7 +18,8 @@ from geometry.arrangement import (
 )
 from geometry.boxes import Boxes, overlap_depth
 from geometry.convex import Convex
-from geometry.solid import common_depth, hull
+from geometry.solid import common_depth, descent, hull
+from geometry.top import top_of as outline_of
 from solver.errors import SceneError, Statement
 from solver.scene.block import BlockSpec
 from solver.scene.checking import shown
@@ -33,6 +34,9 @@ Drift = tuple[float, float]
 ROUND_OFF = 1e-9
 """Blocks that overlap by less than this part of their size touch, and tops that are uneven by less
 are level."""
+
+UNEVEN = 1e-6
+"""Part of a block's size from which the top of its carrier is lower where it stands."""
 
 
 def poses(
@@ -51,6 +55,7 @@ def poses(
         drift: Place of the platform along x and y, m; all blocks are moved with it.
     """
     placed: dict[str, Pose] = {}
+    known = {spec.name: spec for spec in blocks}
     tops = {"foundation": level(np.array([*drift[: dimension - 1], 0.0]))}
     for spec in blocks:
         tilt = 0.0 if upright else spec.tilt
@@ -58,7 +63,9 @@ def poses(
             pose = tops["foundation"].after(_in_the_air(spec, spec.position, tilt))
         else:
             below = middle_of([tops[name] for name in spec.carriers])
-            pose = below.after(_on_level(spec, dimension, tilt))
+            own = _on_level(spec, dimension, tilt)
+            carriers = [(known[name], placed[name]) for name in spec.carriers if name in known]
+            pose = below.after(_lowered(spec, own, below, carriers, dimension))
         placed[spec.name], tops[spec.name] = pose, top_of(pose, spec.shape.height)
     return placed
 
@@ -89,6 +96,60 @@ def _on_level(spec: BlockSpec, dimension: Dimension, tilt: float) -> Pose:
         return initial_position(spec.shape, spec.offset, tilt)
     offset = spec.offset, spec.offset_second
     return initial_position_in_space(spec.shape, offset, tilt, spec.tilt_direction)
+
+
+def _lowered(
+    spec: BlockSpec,
+    own: Pose,
+    below: Pose,
+    carriers: Sequence[tuple[BlockSpec, Pose]],
+    dimension: Dimension,
+) -> Pose:
+    """The place of a block on what it touches first as it goes down from the level of a top.
+
+    Args:
+        spec: The block.
+        own: Its place on that level.
+        below: The frame of the top.
+        carriers: What carries it, and where that is.
+        dimension: Of space.
+    """
+    if all(each.shape.solid is None for each in (spec, *(other for other, _ in carriers))):
+        return own
+    parts = _parts(spec, own, dimension)
+    drops = (
+        descent(parts, _parts(other, _seen_from(below, pose), dimension))
+        for other, pose in carriers
+    )
+    drop = min(drops, default=np.inf)
+    if not UNEVEN * spec.shape.half_diagonal < drop < np.inf:
+        return own
+    down = np.append(np.zeros(dimension - 1), drop)
+    return Pose(rotation=own.rotation, about=own.about, place=own.place - down)
+
+
+def standing_part(
+    spec: BlockSpec, carrier: BlockSpec, placed: Mapping[str, Pose], dimension: Dimension
+) -> int | None:
+    """Number of the part on which a block stands below the hull of its carrier; None: it does not.
+
+    As on the roof of a container, between its castings.
+    """
+    solid, below = carrier.shape.solid, placed[carrier.name]
+    if solid is None or len(solid.parts) == 1:
+        return None
+    own = _parts(spec, _seen_from(below, placed[spec.name]), dimension)
+    size = spec.shape.half_diagonal
+    if descent(own, hull(solid.corners).parts) > -UNEVEN * size:
+        return None
+    drops = [descent(own, [part]) for part in solid.parts]
+    return int(np.argmin(drops))
+
+
+def _seen_from(frame: Pose, pose: Pose) -> Pose:
+    """A pose in a frame."""
+    place = frame.rotation.T @ (pose.place - frame.place) + frame.about
+    return Pose(rotation=frame.rotation.T @ pose.rotation, about=pose.about, place=place)
 
 
 def _in_the_air(spec: BlockSpec, position: tuple[float, ...], tilt: float) -> Pose:
@@ -124,6 +185,7 @@ def refuse_places(
         if len(spec.carriers) > 1:
             _refuse_uneven(spec, tops)
             _refuse_short(spec, tops, halves)
+        _refuse_hollow(spec, blocks, placed, dimension)
         depth = -placed[spec.name](np.array(spec.shape.corners(dimension)))[:, -1].min()
         if top is not None and depth > 0:
             depth = min(depth, _depth_in(top, spec, placed[spec.name], dimension))
@@ -160,6 +222,26 @@ def _refuse_uneven(spec: BlockSpec, tops: Mapping[str, Pose]) -> None:
             levels = f"that of {first} is at {base.place[-1]:.10g} m, that of {name} at "
             levels += f"{top.place[-1]:.10g} m{', tilted against it' * tilted}"
             raise Statement(f"{spec.name}.on", f"needs level tops: {levels}")
+
+
+def _refuse_hollow(
+    spec: BlockSpec, blocks: Sequence[BlockSpec], placed: Mapping[str, Pose], dimension: Dimension
+) -> None:
+    """Refuse a block with its centre below the top of what carries it, such as beside a tower."""
+    for other in blocks:
+        if other.name not in spec.carriers or other.shape.solid is None:
+            continue
+        own = _seen_from(placed[other.name], placed[spec.name])
+        level = outline_of(other.shape, dimension).level
+        middle = own(np.array([spec.shape.centre_of_mass(dimension), spec.shape.middle(dimension)]))
+        if middle[:, -1].min() < level:
+            centre = placed[spec.name](np.array(spec.shape.centre_of_mass(dimension))[None])[0]
+            place = shown(tuple(float(f"{x:.10g}") + 0.0 for x in centre))
+            raise Statement(
+                f"{spec.name}.on",
+                f"names {other.name}, beside whose top it stands, with its centre lower than that:"
+                f" give its place instead of on and offset, position = {place}",
+            )
 
 
 def _refuse_short(spec: BlockSpec, tops: Mapping[str, Pose], halves: Mapping[str, Array]) -> None:

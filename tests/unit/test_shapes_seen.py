@@ -160,7 +160,7 @@ def test_check_tells_of_shapes() -> None:
     told = lines_of("file")
     assert told["shape"].startswith("file: a convex hull, ")
     assert told["surface"].startswith("3648 triangles; contacts see its convex hull, 6")
-    assert "larger than its surface" in told["caution"]
+    assert "as its convex hull, larger by 64 % of its volume" in told["caution"]
     assert "give parts as shape.union" in told["caution"]
     assert "caution" not in lines_of("bottle")
     vase = lines_of("vase")
@@ -170,7 +170,7 @@ def test_check_tells_of_shapes() -> None:
     assert found is not None
     solid = parse_scene(text_of("vase")).blocks[0].shape.solid
     assert solid is not None and float(found[1]) == pytest.approx(100 * solid.hull_excess, abs=0.5)
-    assert f"larger than its surface by {found[1]} %" in vase["caution"]
+    assert f"larger by {found[1]} % of its volume" in vase["caution"]
     assert "shape.union" not in vase["caution"]
 
 

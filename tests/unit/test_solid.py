@@ -19,6 +19,7 @@ from geometry.solid import (
     Surface,
     chord_error,
     cylinder,
+    descent,
     hull,
     of_surface,
     polygon,
@@ -771,3 +772,22 @@ def test_refused_in_one_line(make: object, said: str) -> None:
     with pytest.raises(ValueError, match=said) as refused:
         make()
     assert "\n" not in str(refused.value) and len(str(refused.value)) <= 200
+
+
+def test_a_body_goes_down_to_what_it_touches_first() -> None:
+    """On a roof with a slope of 45 degrees: at its ridge, beside it, past it; not along a wall."""
+    roof = polygon([[0.0, 0.0], [2.0, 0.0], [1.0, 1.0]], 1.0, 1.0).parts
+    for middle, level in ((1.0, 1.0), (1.5, 0.7), (0.4, 0.6), (2.3, -np.inf), (2.2, -np.inf)):
+        box = hull([[middle - 0.2, 3.0], [middle + 0.2, 3.0], [middle, 4.0]]).parts
+        assert descent(box, roof) == pytest.approx(3.0 - level, abs=1e-9)
+    low = hull([[1.2, -2.0], [1.6, -2.0], [1.4, -1.5]]).parts
+    assert descent(low, roof) < 0
+    stair = union(
+        [
+            polygon([[0.0, 0.0], [1.0, 0.0], [1.0, 2.0], [0.0, 2.0]], 1.0, 1.0),
+            polygon([[1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0]], 1.0, 1.0),
+        ]
+    ).parts
+    for left, level in ((1.0, 1.0), (0.9, 2.0), (1.8, 1.0)):
+        box = hull([[left, 3.0], [left + 0.5, 3.0], [left + 0.5, 3.5], [left, 3.5]]).parts
+        assert descent(box, stair) == pytest.approx(3.0 - level, abs=1e-9)

@@ -315,6 +315,48 @@ def test_a_container_is_rigid() -> None:
         scene(2, EMPTY | {"model": "elastic", "young": 1e9, "poisson": 0.2}, end=1.0)
 
 
+PLATE = {
+    "kind": "elastic",
+    "support": "bottom",
+    "width": 8.0,
+    "height": 0.5,
+    "density": 2400.0,
+    "young": 3e10,
+    "poisson": 0.2,
+    "cells": [16, 2],
+}
+CRATE = {"name": "crate", "on": "box1", "model": "rigid", "width": 1.0, "thickness": 6.058}
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.3])
+@pytest.mark.parametrize(("d", "ground"), [(2, None), (3, None), (2, PLATE)])
+def test_a_crate_between_the_castings_stands_on_the_roof(
+    d: int, ground: dict[str, Any] | None, offset: float
+) -> None:
+    """6 mm below the castings, at rest from the start, and it rocks there at g B/H."""
+    size = {"height": 2.0, "density": 50.0, "offset": offset}
+    (box,) = stack({"load": "full"})
+    crate = CRATE | size | ({"thickness": 3.0} if d == 3 else {})
+    more = {"foundation": ground} if ground else {}
+    if ground:
+        pytest.importorskip("dolfinx")
+    motion = {"kind": "half_sine", "amplitude_g": -1.0, "duration": 0.3}
+    given = scene(d, box, crate, end=0.5, step=1e-3, friction=2.0, motion=motion, **more)
+    history = run(given).history
+    up = "y" if d == 2 else "z"
+    roof = given.poses()["crate"](np.zeros((1, d)))[0, -1]
+    assert roof == pytest.approx(2.591 - 0.006, abs=1e-9)
+    assert history[f"crate.centre_{up}_m"][0] == pytest.approx(roof + 1.0, abs=1e-6)
+    weight = given.blocks[1].shape.mass * G
+    assert history["crate.normal_force_N"][:20] == pytest.approx(weight, rel=1e-3)
+    lifts = history["time_s"][np.argmax(np.abs(history["crate.angle_rad"]) > 1e-5)]
+    # From g B/H on the moment grows with the ground's acceleration, and the angle as t³/6.
+    radius = math.hypot(0.5, 1.0)
+    growth = 0.75 * G / radius**2 * math.pi / 0.3 * math.cos(math.asin(0.5))
+    expected = 0.3 / math.pi * math.asin(0.5) + (6e-5 / growth) ** (1 / 3)
+    assert lifts == pytest.approx(expected, abs=1.5e-3)
+
+
 # ------------------------------------------------------------------ feet of boxes
 
 

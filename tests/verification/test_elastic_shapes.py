@@ -17,7 +17,7 @@ from body_files import boxes, vase, write_by_gmsh, write_stl
 from processes import on_ranks
 
 from rockslip import History, Result, Scene, parse_scene, simulate
-from solver.errors import RockslipError
+from solver.errors import RockslipError, SceneError
 from solver.reference.housner import housner, housner_restitution
 from solver.types import Array
 
@@ -164,6 +164,29 @@ def test_a_regular_polygon_rolls_down_an_incline(count: int) -> None:
     assert one[-1] > 0.8 * turn
     assert other == pytest.approx(one, rel=1e-2)
     assert elastic.history["block.angle_rad"][-1] > turn
+
+
+def test_a_rigid_drum_rolls_on_a_plate_without_slip() -> None:
+    """As on the ground to its first landing; then over five sides, none of which is slip.
+
+    It hops as its sides land, and what it flies is in that column, too.
+    """
+    drum = {"model": "rigid", "shape": {"regular": 16}, "width": 0.6, "density": 2400.0}
+    drum |= {"offset": -1.0, "friction": 2.0}
+    plate = {"kind": "elastic", "support": "bottom", "width": 6.0, "height": 0.2, "cells": [60, 1]}
+    plate |= {"density": 2400.0, "young": 3e10, "poisson": 0.2, "damping": {"stiffness": 1e-4}}
+    tables = {"gravity_tilt_deg": 20.0}
+    rigid = simulate(scene(drum, 1.0, 1e-3, **tables))
+    meshed = run(scene(drum, 1.0, None, foundation=plate, **tables)).history
+    side = 0.6 * math.sin(math.pi / 16)
+    end = float(np.interp(math.pi / 8, rigid.history["block.angle_rad"], rigid.history["time_s"]))
+    at = np.linspace(0.3, 0.98, 20) * end
+    one, other = (
+        np.interp(at, each["time_s"], each["block.angle_rad"]) for each in (rigid.history, meshed)
+    )
+    assert other == pytest.approx(one, rel=1e-2)
+    assert np.ptp(meshed["block.centre_x_m"]) > 5.0 * side
+    assert np.abs(meshed["block.slip_m"]).max() < 0.3 * side
 
 
 @pytest.mark.parametrize("tilt", [0.0, 1e-9, -1e-9])
@@ -419,6 +442,22 @@ def test_a_box_stands_on_prongs(models: tuple[str, str], width: float, offset: f
     assert np.abs(history["top.angle_rad"]).max() < 2e-5
 
 
+@pytest.mark.parametrize("models", [("elastic", "elastic"), ("elastic", "rigid")])
+def test_a_box_stands_between_prongs(models: tuple[str, str]) -> None:
+    """On the floor between two, which the hull spans: carried and upright from the start."""
+    prongs = [[0.0, 0.0], [0.7, 0.0], [0.7, 0.6], [0.5, 0.6], [0.5, 0.5], [0.2, 0.5], [0.2, 0.6]]
+    low = polygon([*prongs, [0.0, 0.6]], name="low", model=models[0], young=1e9)
+    top = STONE | {"name": "top", "on": "low", "width": 0.2, "height": 0.4, "offset": 0.03}
+    given = scene([low, top | {"model": models[1]}], 0.03, 1e-3)
+    history = run(given).history
+    assert history["top.centre_y_m"] == pytest.approx(0.5 + 0.2, abs=2e-5)
+    weight = given.blocks[1].shape.mass * G
+    assert history["top.normal_force_N"] == pytest.approx(weight, rel=1e-6)
+    assert np.abs(history["top.angle_rad"]).max() < 2e-5
+    with pytest.raises(SceneError, match=r"top\.on names low, beside whose top it stands"):
+        scene([low, top | {"height": 0.1}], 0.03, 1e-3)
+
+
 @pytest.mark.parametrize("model", ["elastic", "rigid"])
 def test_a_box_flies_into_the_notch_of_an_l(model: str) -> None:
     """Without gravity: it touches the leg, not the hull, and momentum stays."""
@@ -464,6 +503,23 @@ def test_a_vase_is_meshed_by_its_true_surface(tmp_path: Path) -> None:
                 for each in (rigid.history, elastic)
             )
             assert other == pytest.approx(one, abs=1e-2 * math.radians(4.0))
+
+
+def test_a_hollow_profile_is_meshed_by_its_true_surface() -> None:
+    """All of the mass of its wall, and the centre; it stands. Beside others it is refused."""
+    wall = [[0.0, 0.0], [0.1, 0.0], [0.14, 0.2], [0.06, 0.4], [0.05, 0.4], [0.11, 0.2]]
+    shape = {"profile": [*wall, [0.08, 0.03], [0.0, 0.03]], "sides": 12}
+    given = scene(STONE | {"shape": shape, "cell_size": 0.05}, 0.01, 1e-3, dimension=3)
+    solid = given.blocks[0].shape.solid
+    assert solid is not None and solid.surface is not None
+    member = build(given).members[0].body
+    assert member.mass == pytest.approx(solid.mass, rel=1e-12)
+    assert member.centre == pytest.approx(solid.centre, abs=5e-3 * solid.size)
+    history = run(given).history
+    assert history["block.normal_force_N"] == pytest.approx(solid.mass * G, rel=1e-6)
+    both = {"union": [shape, {"cylinder": 0.1, "height": 0.1, "at": [0.0, 0.0, 0.5]}]}
+    with pytest.raises(SceneError, match=r"shape: got a union with a file or a hollow profile"):
+        scene(STONE | {"shape": both}, 0.01, 1e-3, dimension=3)
 
 
 def test_a_vase_lifts_at_its_own_arm_over_height(tmp_path: Path) -> None:
