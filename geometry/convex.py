@@ -124,7 +124,7 @@ def triangles_of(faces: Sequence[Sequence[int] | Indices]) -> Indices:
     return np.array(fans, dtype=np.int64).reshape(-1, 3)
 
 
-def normals_of(corners: Array, faces: Sequence[Sequence[int]]) -> Array:
+def normals_of(corners: Array, faces: Sequence[Sequence[int]] | Indices) -> Array:
     """Outward unit normals of faces by Newell's formula, (faces, d)."""
     normals = np.zeros((len(faces), corners.shape[1]))
     for numbers, loops in _by_length(faces):
@@ -139,8 +139,11 @@ def normals_of(corners: Array, faces: Sequence[Sequence[int]]) -> Array:
     return np.asarray(normals / np.where(lengths > 0, lengths, 1.0))
 
 
-def _by_length(faces: Sequence[Sequence[int]]) -> Iterator[tuple[Indices, Indices]]:
+def _by_length(faces: Sequence[Sequence[int]] | Indices) -> Iterator[tuple[Indices, Indices]]:
     """Faces with as many corners together: their numbers, (m,), and their corners, (m, k)."""
+    if isinstance(faces, np.ndarray):
+        yield np.arange(len(faces)), faces
+        return
     lengths = np.array([len(face) for face in faces])
     for length in np.unique(lengths):
         numbers = np.flatnonzero(lengths == length)
