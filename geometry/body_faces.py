@@ -155,7 +155,7 @@ def faces_on_mesh(
     for number, (own, loops) in enumerate(hulls):
         near: Mask = np.ones(len(boundary), dtype=np.bool_)
         if number:
-            near = _within(places.mean(axis=1), own, loops, IN_PLANE * size)
+            near = parts[number - 1].beyond(places.mean(axis=1)) <= IN_PLANE * size
         for tag, loop in loops.items():
             normal, level = _plane(own, loop)
             on = near & (across @ normal > ALIKE)
@@ -203,12 +203,3 @@ def _add_at_corners(
     at = np.where(off <= IN_PLANE * size, which, -1).reshape(count, k)
     for facet, vertex in zip(*np.nonzero(at >= 0), strict=True):
         members[facet].update((0, tag) for tag in around.get(int(at[facet, vertex]), ()))
-
-
-def _within(places: Array, corners: Array, loops: Loops, near: float) -> Mask:
-    """Places that are in a convex body, or no farther from it than `near`, m."""
-    inside: Mask = np.ones(len(places), dtype=np.bool_)
-    for loop in loops.values():
-        normal, level = _plane(corners, loop)
-        inside &= places @ normal - level <= near
-    return inside

@@ -193,11 +193,8 @@ class PiecewiseDensity:
         """Its value in cells of which each is in one part, (n,), by their vertices (n, k, d), m."""
         import numpy as np
 
-        middles, off = cells.mean(axis=1), []
-        for part in self.parts:
-            levels = [part.corners[face[0]] for face in part.faces]
-            heights = middles @ part.normals.T - np.einsum("ij,ij->i", levels, part.normals)
-            off.append(heights.max(axis=1))
+        middles = cells.mean(axis=1)
+        off = [part.beyond(middles) for part in self.parts]
         values = np.array([part.density for part in self.parts]) / self.mean
         return np.asarray(values[np.argmin(off, axis=0)])
 

@@ -104,9 +104,9 @@ def _hulls(scene: Scene) -> list[str]:
         excess = _excess_of_hull(solid) if meshed else solid.hull_excess
         if not excess > LARGEST_EXCESS:
             continue
-        larger = f"larger by {percent(excess)} % of its volume"
+        larger = f"larger than its surface by {percent(excess)} % of its volume"
         if meshed:
-            seen = f"{block.name} where its surface is on its convex hull, which is {larger}: "
+            seen = f"{block.name} where its surface is on its convex hull, {larger}: "
             seen += "nothing touches it where it is hollow"
         else:
             what = "its convex hull" if len(solid.parts) == 1 else "convex parts"

@@ -287,15 +287,7 @@ def _is_in(spec: BlockSpec, place: Array) -> bool:
     """True if a place of its own frame, (d,), m, is in a block or on its surface."""
     solid = spec.shape.solid or hull(spec.shape.corners(len(place)))
     reach = OUTSIDE * spec.shape.half_diagonal
-    return any(
-        np.all(
-            [
-                (place - part.corners[face[0]]) @ normal <= reach
-                for face, normal in zip(part.faces, part.normals, strict=True)
-            ]
-        )
-        for part in solid.parts
-    )
+    return any(part.beyond(place[None])[0] <= reach for part in solid.parts)
 
 
 def refuse_links(
