@@ -147,10 +147,10 @@ def _nodal(body: ElasticBody, integrand: Any) -> Array:
     return np.array(vector.array[: body.size])
 
 
-def face_of(body: ElasticBody, facet_tags: mesh.MeshTags, tag: int) -> MeshedPlace:
-    """The mean of a face of a meshed body: a force on it is a traction that is even; collective."""
+def face_of(body: ElasticBody, facet_tags: mesh.MeshTags, *tags: int) -> MeshedPlace:
+    """The mean of facets of a meshed body: a force on it is a traction that is even; collective."""
     domain, d = body.space.mesh, body.dimension
-    ds = ufl.Measure("ds", domain, subdomain_data=facet_tags)(tag)
+    ds = ufl.Measure("ds", domain, subdomain_data=facet_tags)(tags)
     test, x = ufl.TestFunction(body.space), ufl.SpatialCoordinate(domain)
     area = _integral(body, _one(domain) * ds)
     rows = [_nodal(body, test[k] * ds) / area for k in range(d)]

@@ -30,7 +30,7 @@ def place_of(spec: ForceSpec, shape: Block, d: int) -> Array:
     if spec.pressure is not None:
         low, high = _box(shape, d)
         own: Array = (low + high) / 2
-        axis, sense = _normal(spec, d)
+        axis, sense = normal_of(spec, d)
         own[axis] = low[axis] if sense > 0 else high[axis]
         return own
     return np.array(shape.centre_of_mass(d) if spec.at is None else spec.at)
@@ -41,7 +41,7 @@ def whole_force(spec: ForceSpec, pose: Pose, shape: Block) -> Array:
     if spec.pressure is None:
         return np.array(spec.force)
     d = len(pose.place)
-    axis, sense = _normal(spec, d)
+    axis, sense = normal_of(spec, d)
     low, high = _box(shape, d)
     area = float(np.prod(np.delete(high - low, axis))) * (shape.thickness if d == 2 else 1.0)
     return np.asarray(spec.pressure * area * sense * pose.rotation[:, axis])
@@ -54,7 +54,7 @@ def _box(shape: Block, d: int) -> tuple[Array, Array]:
     return np.append(-half, low), np.append(half, high)
 
 
-def _normal(spec: ForceSpec, d: int) -> tuple[int, float]:
+def normal_of(spec: ForceSpec, d: int) -> tuple[int, float]:
     """Axis along which a pressure on a face pushes, and the sense."""
     assert spec.face is not None
     axis, sense = NORMALS[spec.face]

@@ -12,7 +12,7 @@ from geometry.foundation import level_frame
 from geometry.outline import rolls
 from geometry.top import top_of
 from solver.bodies.kinematics import RigidMotion
-from solver.build.assembly import BlockBody
+from solver.build.block_body import BlockBody
 from solver.contact.body_points import Key, NitschePoints, SurfaceState
 from solver.contact.carriers import Face
 from solver.contact.kinematics import in_space

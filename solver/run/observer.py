@@ -11,7 +11,8 @@ import numpy as np
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.reduced_body import ReducedBody
 from solver.bodies.rigid_body import Oscillator
-from solver.build.assembly import Assembly, BlockBody
+from solver.build.assembly import Assembly
+from solver.build.block_body import BlockBody
 from solver.build.foundation import FoundationBody
 from solver.history.columns import (
     DISSIPATED_ENERGIES,

@@ -226,12 +226,12 @@ def link_ends(link: LinkSpec, placed: Mapping[str, Pose]) -> tuple[Array, Array]
 
 def own_ends(link: LinkSpec, placed: Mapping[str, Pose]) -> tuple[Array, Array]:
     """The ends of a link in the own frames of its bodies, (d,), m; `placed` as in `link_ends`."""
+    first = np.array(link.at)
+    if link.to is not None:
+        return first, np.array(link.to)
     here = {GROUND: level(np.zeros(len(link.at)))} | dict(placed)
-    first, second = (
-        here[name].rotation.T @ (end - here[name].place) + here[name].about
-        for name, end in zip(link.between, link_ends(link, placed), strict=True)
-    )
-    return first, second
+    one, other = (here[name] for name in link.between)
+    return first, (one(first[None])[0] - other.place) @ other.rotation + other.about
 
 
 def second_is_above(link: LinkSpec, placed: Mapping[str, Pose]) -> bool:
