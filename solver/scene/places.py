@@ -12,9 +12,9 @@ from geometry.arrangement import (
     initial_position_in_space,
     level,
     middle_of,
+    pose_of_top,
     rotation_in_plane,
     rotation_in_space,
-    top_of,
 )
 from geometry.boxes import Boxes, overlap_depth
 from geometry.convex import Convex
@@ -59,7 +59,7 @@ def poses(
         else:
             below = middle_of([tops[name] for name in spec.carriers])
             pose = below.after(_on_level(spec, dimension, tilt))
-        placed[spec.name], tops[spec.name] = pose, top_of(pose, spec.shape.height)
+        placed[spec.name], tops[spec.name] = pose, pose_of_top(pose, spec.shape.height)
     return placed
 
 
@@ -116,7 +116,7 @@ def refuse_places(
         Statement: Names the blocks, and levels or depth.
     """
     placed = poses(blocks, dimension)
-    tops = {spec.name: top_of(placed[spec.name], spec.shape.height) for spec in blocks}
+    tops = {spec.name: pose_of_top(placed[spec.name], spec.shape.height) for spec in blocks}
     tops["foundation"] = level(np.zeros(dimension))
     halves = {spec.name: np.array(spec.shape.half_lengths(dimension))[:-1] for spec in blocks}
     halves["foundation"] = np.full(dimension - 1, np.inf)
