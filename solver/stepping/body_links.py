@@ -209,9 +209,7 @@ class BodyLinks:
 
     def _load(self, own: slice, elastic: Array) -> float:
         """Size of the spring force of a link at elastic extensions of its directions, N."""
-        force, energy, flow = np.empty((3, len(elastic)))
-        meshed.link_springs(self._laws[own], elastic, force, energy, flow)
-        return float(np.linalg.norm(force))
+        return float(np.linalg.norm(self._springs(elastic, own)[0]))
 
     def overloaded(self, memory: LinkMemory, end: Array) -> Mask:
         """Links that are loaded by more than their strength at extensions, (links,)."""
@@ -232,7 +230,7 @@ class BodyLinks:
             own, share = self._own[number], reached.share[number]
             way = share * (reached.extension - memory.extension)[own]
             elastic = (memory.extension - memory.plastic)[own] + way
-            _, energy, _ = self._springs_of(own, elastic)
+            _, energy, _ = self._springs(elastic, own)
             at[number], lost[number] = time + share * dt, energy.sum()
             plastic[own] = memory.plastic[own]
         after = LinkMemory(
@@ -245,14 +243,13 @@ class BodyLinks:
         _, energy, _ = self._springs(memory.extension - memory.plastic)
         return float(energy[~memory.broken[self.of]].sum())
 
-    def _springs(self, elastic: Array) -> tuple[Array, Array, Array]:
-        """Forces (N) and energies (J) of springs at elastic extensions, and their flow, m."""
-        return self._springs_of(slice(None), elastic)
+    def _springs(self, elastic: Array, own: slice = slice(None)) -> tuple[Array, Array, Array]:
+        """Forces (N) and energies (J) of springs at elastic extensions, and their flow, m.
 
-    def _springs_of(self, own: slice, elastic: Array) -> tuple[Array, Array, Array]:
-        """The same of some directions."""
+        Of all directions, or of some.
+        """
         force, energy, flow = np.empty((3, len(elastic)))
-        meshed.link_springs(self._laws[own], np.ascontiguousarray(elastic), force, energy, flow)
+        meshed.link_springs(self._laws[own], elastic, force, energy, flow)
         return force, energy, flow
 
     def numbers(self, memory: LinkMemory) -> Array:
