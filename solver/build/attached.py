@@ -29,8 +29,8 @@ from solver.bodies.rigid_body import DenseBody
 from solver.build.block_body import BlockBody
 from solver.build.foundation import FoundationBody
 from solver.contact.carriers import Face
-from solver.rigid.forces import mean_factor, normal_of, place_of, whole_force
-from solver.rigid.links import laws_of, sense_of
+from solver.excitation.forces import mean_factor, normal_of, place_of, whole_force
+from solver.law.links import laws_of, sense_of
 from solver.scene import Scene
 from solver.scene.force import ForceSpec
 from solver.scene.laws import GROUND

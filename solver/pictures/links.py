@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.fields.links import LEFT
+from solver.history.link_columns import BROKEN, FLOWED, SLACK, TAUT
 from solver.pictures.contact import block_poses, drift_at
 from solver.results.runs import Run
-from solver.rigid.links import BROKEN, FLOWED, SLACK, TAUT
 from solver.scene import LinkSpec
 from solver.scene.laws import GROUND
 from solver.scene.places import own_ends

@@ -16,11 +16,12 @@ from geometry.arrangement import Pose, level
 from geometry.block import FACES, Block
 from geometry.outline import rolls
 from geometry.top import top_over_centre
+from solver.excitation.forces import arm_of, factors, whole_force
 from solver.history.columns import check_filled, columns, positions, row_layout
 from solver.history.events import Event, Meeting
+from solver.history.link_columns import LinkRows
 from solver.kernels.world import Body, Mobility, Steps, World
-from solver.rigid.forces import arm_of, factors, whole_force
-from solver.rigid.links import LinkRows, link_of
+from solver.rigid.links import link_of
 from solver.rigid.rows import (
     BlockRows,
     Foot,

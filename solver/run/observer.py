@@ -22,8 +22,8 @@ from solver.history.columns import (
     row_layout,
 )
 from solver.history.events import Event
+from solver.history.link_columns import LinkRows
 from solver.parallel import global_sum
-from solver.rigid.links import LinkRows
 from solver.run.block_observer import BlockObserver
 from solver.run.structure_observer import StructureObserver, write_base_shear
 from solver.scene.link import LinkSpec
