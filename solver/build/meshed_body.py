@@ -71,11 +71,12 @@ def _cells(block: BlockSpec, dimension: Dimension) -> Cells:
     if solid.surface is None:
         return cells_of_parts(solid.parts, block.cell_size)
     assert shape is not None
-    if shape.file is None:
-        raise ValueError("got a union with a file, allowed a file, or a union of other shapes")
+    if shape.union:
+        said = "got a union with a file or a hollow profile, allowed these, or a union of others"
+        raise ValueError(said)
     if shape.is_mesh:
         return shape.cells().moved(block.shift(dimension))
-    if shape.file.suffix.lower() in STEPS:
+    if shape.file is not None and shape.file.suffix.lower() in STEPS:
         cells = cells_of_step(shape.file, shape.scale, block.cell_size)
         return cells.moved(block.shift(dimension))
     return cells_of_surface(solid.surface, block.cell_size)

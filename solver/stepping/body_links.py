@@ -105,10 +105,8 @@ class BodyLinks:
                 self._length[own] = link.length
         self._preload = np.array([link.preload for link in links])[self.of]
         self._waits = np.array([link.length is None for link in links])[self.of]
-        self._slots = np.concatenate(
-            [dimension * k + np.arange(count) for k, count in enumerate(counts)]
-        )
-        """Place of each direction among `dimension` of each link."""
+        self._axis = np.concatenate([np.arange(count) for count in counts])
+        """Number of each direction among those of its link."""
 
     @property
     def _own(self) -> list[slice]:
@@ -257,9 +255,7 @@ class BodyLinks:
         d = self.dimension
         found = np.zeros((self.count, 3 * d + 3))
         for k, values in enumerate((memory.extension, memory.force, memory.plastic)):
-            part = np.zeros(self.count * d)
-            part[self._slots] = values
-            found[:, k * d : (k + 1) * d] = part.reshape(self.count, d)
+            found[self.of, k * d + self._axis] = values
         found[:, 3 * d] = memory.broken
         found[:, 3 * d + 1], found[:, 3 * d + 2] = memory.broken_at, memory.lost
         return found
