@@ -237,7 +237,7 @@ def attached_of(
     ground = [place for holder in used if holder.number is None for place in holder.found]
     return Attached(
         Attachments(system, of_bodies, np.reshape(ground, (-1, scene.dimension))),
-        BodyLinks(links, scene.dimension) if links else None,
+        BodyLinks(links, scene.dimension),
         forces,
     )
 

@@ -169,8 +169,7 @@ class Observer:
     def _link_numbers(self, state: State) -> Array:
         """All links in a state, as `LinkStates` takes them apart."""
         attached = self._stepper.attached
-        assert attached is not None and attached.links is not None
-        assert state.body_links is not None
+        assert attached is not None and state.body_links is not None
         return attached.links.numbers(state.body_links)
 
     def link_events(self, before: State, after: State) -> tuple[Event, ...]:

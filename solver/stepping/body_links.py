@@ -87,7 +87,7 @@ class BodyLinks:
         """Number the directions."""
         self.links, self.dimension = tuple(links), dimension
         self.count = len(links)
-        counts = [len(link.laws) for link in links]
+        counts = np.array([len(link.laws) for link in links], dtype=np.int64)
         self.of: Indices = np.repeat(np.arange(self.count), counts)
         """The link of each direction."""
         self._first = np.cumsum([0, *counts])
@@ -97,7 +97,7 @@ class BodyLinks:
                 for link in links
                 for law in link.laws
             ]
-        )
+        ).reshape(-1, 5)
         self._strength = np.array([link.strength for link in links])
         self._length = np.zeros(len(self.of))
         for own, link in zip(self._own, links, strict=True):
@@ -105,7 +105,7 @@ class BodyLinks:
                 self._length[own] = link.length
         self._preload = np.array([link.preload for link in links])[self.of]
         self._waits = np.array([link.length is None for link in links])[self.of]
-        self._axis = np.concatenate([np.arange(count) for count in counts])
+        self._axis = np.arange(len(self.of)) - self._first[self.of]
         """Number of each direction among those of its link."""
 
     @property

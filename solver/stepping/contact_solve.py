@@ -131,7 +131,7 @@ class StepProblem:
     @property
     def forces(self) -> float:
         """Largest norm of the contact forces so far, or of those of links, N."""
-        if self.pull is None or self.pull.links is None:
+        if self.pull is None:
             return self.contact.largest
         links = self._weight * float(np.linalg.norm(self.pull.links.force))
         return max(self.contact.largest, links)
@@ -195,7 +195,7 @@ class StepProblem:
             self._configurations = [response.at(u[own], was) for response, own, was in self._bodies]
         y, self._beyond = self._positions(), self._points_beyond()
         free = self._free(residual, y)
-        if self.pull is None or self.pull.links is None:
+        if self._attached is None or not self._attached.attached.links.count:
             delassus, change = self._settled(y)
         else:
             free, delassus, change = self._settled_with_links(free, y)
@@ -473,7 +473,7 @@ class ContactSolve:
 
     def _places(self, responses: Sequence[AnyResponse]) -> Sequence[PlaceResponse]:
         """How the places of links move, body by body; none where there are no links."""
-        if self._attached is None or self._attached.links is None:
+        if self._attached is None or not self._attached.links.count:
             return ()
         members = self._attached.attachments.members
         return [

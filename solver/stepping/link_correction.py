@@ -142,7 +142,6 @@ class LinkCorrection:
         corrected: CorrectedBodies,
     ):
         """Take links at the iterate, places of all bodies, and the free motions of these."""
-        assert pull.links is not None
         self._step, self._links, self._places = step, pull.links, places
         self._members = step.attached.attachments.members
         self._weight = corrected.weight
