@@ -113,11 +113,11 @@ def level(place: Array) -> Pose:
     return Pose(rotation=np.eye(len(place)), about=np.zeros(len(place)), place=place)
 
 
-def top_of(carrier: Pose, height: float) -> Pose:
+def pose_of_top(carrier: Pose, height: float) -> Pose:
     """The frame of the top of a block of a height (m): its origin in the middle, tilted with it.
 
-    `top_of(carrier, height).after(own)` is the pose of a block on it that would stand at `own` on a
-    surface at level 0.
+    `pose_of_top(carrier, height).after(own)` is the pose of a block on it that would stand at `own`
+    on a surface at level 0.
     """
     top = np.zeros(len(carrier.place))
     top[-1] = height

@@ -7,7 +7,7 @@ On a mesh, facets have tags by the faces to which they belong.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
@@ -53,14 +53,7 @@ class BodyFaces:
     def moved(self, by: Array) -> BodyFaces:
         """The faces of the body moved by a vector (d,), m."""
         patches = {tag: tuple(ring + by for ring in some) for tag, some in self.patches.items()}
-        return BodyFaces(
-            corners=self.corners + by,
-            loops=self.loops,
-            facets=self.facets,
-            points=self.points,
-            patches=patches,
-            is_whole=self.is_whole,
-        )
+        return replace(self, corners=self.corners + by, patches=patches)
 
     def ring(self, tag: int) -> Array:
         """Corners around a face, (n, d), m."""
@@ -156,13 +149,13 @@ def faces_on_mesh(
     corners, faces = hull_of(used, IN_PLANE / 2)
     hulls = [(corners, _tagged(corners, faces))]
     hulls += [(part.corners, _tagged(part.corners, part.faces)) for part in parts]
-    places, across = points[boundary], _normals(points, boundary)
+    places, across = points[boundary], normals_of(points, boundary)
     members: list[set[tuple[int, int]]] = [set() for _ in boundary]
     flat: set[tuple[int, int]] = set()
     for number, (own, loops) in enumerate(hulls):
         near: Mask = np.ones(len(boundary), dtype=np.bool_)
         if number:
-            near = _within(places.mean(axis=1), own, loops, IN_PLANE * size)
+            near = parts[number - 1].beyond(places.mean(axis=1)) <= IN_PLANE * size
         for tag, loop in loops.items():
             normal, level = _plane(own, loop)
             on = near & (across @ normal > ALIKE)
@@ -210,24 +203,3 @@ def _add_at_corners(
     at = np.where(off <= IN_PLANE * size, which, -1).reshape(count, k)
     for facet, vertex in zip(*np.nonzero(at >= 0), strict=True):
         members[facet].update((0, tag) for tag in around.get(int(at[facet, vertex]), ()))
-
-
-def _within(places: Array, corners: Array, loops: Loops, near: float) -> Mask:
-    """Places that are in a convex body, or no farther from it than `near`, m."""
-    inside: Mask = np.ones(len(places), dtype=np.bool_)
-    for loop in loops.values():
-        normal, level = _plane(corners, loop)
-        inside &= places @ normal - level <= near
-    return inside
-
-
-def _normals(points: Array, facets: Indices) -> Array:
-    """Outward unit normals of facets, of quadrilaterals by their first three corners, (m, d)."""
-    ends: Array = points[facets]
-    normals: Array
-    if points.shape[1] == 2:
-        sides = ends[:, 1] - ends[:, 0]
-        normals = np.stack([sides[:, 1], -sides[:, 0]], axis=1)
-    else:
-        normals = np.asarray(np.cross(ends[:, 1] - ends[:, 0], ends[:, 2] - ends[:, 0]))
-    return np.asarray(normals / np.linalg.norm(normals, axis=1)[:, None])

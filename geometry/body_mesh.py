@@ -7,8 +7,7 @@ that contact sees, and are then distributed.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -18,9 +17,10 @@ import gmsh
 import numpy as np
 
 from geometry.body_faces import BodyFaces, faces_on_mesh
-from geometry.cells import Cells, cells_of_model, silent_model
+from geometry.cells import Cells, cells_of_model
 from geometry.convex import Convex
 from geometry.gmsh_model import MeshedBody, make
+from geometry.gmsh_session import failures, options, silent_model
 from geometry.surface import Surface
 from geometry.tags import FINER, CellTag
 from solver.types import Indices
@@ -103,31 +103,6 @@ def _refuse_pieces(cells: Cells) -> None:
         )
 
 
-@contextmanager
-def _told(what: str) -> Iterator[None]:
-    """Gmsh's failures as ValueErrors."""
-    try:
-        yield
-    except ValueError:
-        raise
-    except Exception as error:  # Gmsh has no narrower class
-        said = str(error).strip().splitlines() or ["no reason given"]
-        raise ValueError(f"got {what} that Gmsh cannot mesh ({said[-1]})") from None
-
-
-@contextmanager
-def _options(values: dict[str, float]) -> Iterator[None]:
-    """Options of Gmsh for a while."""
-    before = {name: gmsh.option.getNumber(name) for name in values}
-    try:
-        for name, value in values.items():
-            gmsh.option.setNumber(name, value)
-        yield
-    finally:
-        for name, value in before.items():
-            gmsh.option.setNumber(name, value)
-
-
 # ---------------------------------------------------------------- of convex parts
 
 
@@ -139,7 +114,7 @@ def cells_of_parts(parts: Sequence[Convex], size: float) -> Cells:
         size: Length of the edges of the cells, m.
     """
     d = parts[0].dimension
-    with silent_model("parts"), _told("parts"):
+    with silent_model("parts"), failures("got parts that Gmsh cannot mesh ({})"):
         bodies = [(d, _part(part)) for part in parts]
         if len(bodies) > 1:
             gmsh.model.occ.fragment(bodies[:1], bodies[1:])
@@ -187,7 +162,7 @@ def cells_of_surface(surface: Surface, size: float) -> Cells:
     """
     if surface.bodies > 1:
         raise ValueError(f"got {surface.bodies} bodies apart, allowed one")
-    with silent_model("surface"), _told("a surface"):
+    with silent_model("surface"), failures("got a surface that Gmsh cannot mesh ({})"):
         whole = gmsh.model.addDiscreteEntity(2)
         used = np.unique(surface.triangles)
         gmsh.model.mesh.addNodes(2, whole, used + 1, surface.points[used].ravel())
@@ -201,7 +176,7 @@ def cells_of_surface(surface: Surface, size: float) -> Cells:
         for line, (count, length) in own.items():
             coarse = max(1, math.ceil(length / size - 1e-9))
             gmsh.model.mesh.setTransfiniteCurve(line, 1 + min(max(count, coarse), FINER * coarse))
-        with _options({"Mesh.MeshSizeMax": size, "Mesh.MeshSizeExtendFromBoundary": 0}):
+        with options({"Mesh.MeshSizeMax": size, "Mesh.MeshSizeExtendFromBoundary": 0}):
             gmsh.model.mesh.generate(3)
         return cells_of_model(3)
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from geometry.convex import normals_of
+from geometry.gmsh_session import elements_of_model, nodes_of_model
 from solver.types import Array, Indices
 
 TRIANGLE, QUADRILATERAL, TETRAHEDRON, HEXAHEDRON = 2, 3, 4, 5
@@ -95,14 +94,9 @@ class Cells:
 
     def _outwards(self, facets: Indices, owner: Indices) -> Indices:
         """Facets of cells turned so that they are seen anticlockwise from outside."""
-        ends: Array = self.points[facets]
-        across: Array
-        away = ends.mean(axis=1) - self.points[self.numbers[owner]].mean(axis=1)
-        if self.dimension == 2:
-            along = ends[:, 1] - ends[:, 0]
-            across = np.stack([along[:, 1], -along[:, 0]], axis=1)
-        else:
-            across = np.asarray(np.cross(ends[:, 1] - ends[:, 0], ends[:, 2] - ends[:, 0]))
+        middles = self.points[facets].mean(axis=1)
+        away = middles - self.points[self.numbers[owner]].mean(axis=1)
+        across = normals_of(self.points, facets)
         inwards = np.einsum("ij,ij->i", across, away) < 0
         return np.where(inwards[:, None], facets[:, ::-1], facets)
 
@@ -147,29 +141,6 @@ class Cells:
         return Cells(self.points + np.asarray(by), self.numbers, self.kind)
 
 
-@contextmanager
-def silent_model(name: str) -> Iterator[Any]:
-    """A new Gmsh model that says nothing; leaves no trace, also in a Gmsh that is in use."""
-    import gmsh
-
-    ours = not gmsh.isInitialized()
-    if ours:
-        gmsh.initialize(readConfigFiles=False, interruptible=False)
-    before = None if ours else gmsh.model.getCurrent()
-    terminal = gmsh.option.getNumber("General.Terminal")
-    gmsh.option.setNumber("General.Terminal", 0)
-    gmsh.model.add(name)
-    try:
-        yield gmsh
-    finally:
-        gmsh.model.remove()
-        if before:
-            gmsh.model.setCurrent(before)
-        gmsh.option.setNumber("General.Terminal", terminal)
-        if ours:
-            gmsh.finalize()
-
-
 def cells_of_model(dimension: int) -> Cells:
     """The cells of Gmsh's current model, by their corners.
 
@@ -177,26 +148,18 @@ def cells_of_model(dimension: int) -> Cells:
         ValueError: There are none, of several kinds, or of another one than triangles,
             quadrilaterals, tetrahedra and hexahedra.
     """
-    import gmsh
-
-    mesh = gmsh.model.mesh
-    tags, coordinates, _ = mesh.getNodes()
-    place = np.zeros(int(max(tags, default=0)) + 1, dtype=np.int64)
-    place[tags] = np.arange(len(tags))
+    points, numbers = nodes_of_model()
     found: dict[int, list[Indices]] = {}
-    for kind, _, nodes in zip(*mesh.getElements(dimension), strict=True):
-        name, _, _, count, _, corners = mesh.getElementProperties(kind)
-        own = CORNERS.get((dimension, corners))
-        if own is None:
+    for name, rows in elements_of_model(dimension, numbers):
+        kind = CORNERS.get((dimension, rows.shape[1]))
+        if kind is None:
             raise ValueError(f"got cells of the kind '{name}', allowed tetrahedra or hexahedra")
-        rows = place[nodes.astype(np.int64).reshape(-1, count)[:, :corners]]
-        found.setdefault(own, []).append(rows)
+        found.setdefault(kind, []).append(rows)
     if not found:
         raise ValueError(f"got no cells in {'space' if dimension == 3 else 'the plane'}")
     if len(found) > 1:
         raise ValueError(
             f"got {' and '.join(NAMES[kind] for kind in found)} cells, allowed those of one kind"
         )
-    ((kind, rows),) = found.items()
-    points = coordinates.reshape(-1, 3)[:, :dimension]
-    return Cells(np.ascontiguousarray(points), np.concatenate(rows), kind)
+    ((kind, all_rows),) = found.items()
+    return Cells(np.ascontiguousarray(points[:, :dimension]), np.concatenate(all_rows), kind)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geometry.moments import Moments, changed, moments_of
-from geometry.polygon import edges_of, real_points, size_of, told
+from geometry.polygon import edges_of, real_points, size_of, told, turning
 from solver.types import Array, Indices
 
 FLAT = 1e-5
@@ -91,6 +91,12 @@ class Convex:
         spokes = ring - ring[0]
         return float(np.linalg.norm(np.cross(spokes, np.roll(spokes, -1, axis=0)).sum(axis=0)) / 2)
 
+    def beyond(self, places: Array) -> Array:
+        """How far places (n, d) are beyond the faces, of all faces the most, m; below 0 inside."""
+        normals = self.normals
+        levels = np.einsum("ni,ni->n", self.corners[[face[0] for face in self.faces]], normals)
+        return np.asarray((places @ normals.T - levels).max(axis=1))
+
     def moved(self, by: ArrayLike) -> Convex:
         """This shape moved by a vector (d,), m."""
         step = np.asarray(by, dtype=np.float64)
@@ -124,7 +130,7 @@ def triangles_of(faces: Sequence[Sequence[int] | Indices]) -> Indices:
     return np.array(fans, dtype=np.int64).reshape(-1, 3)
 
 
-def normals_of(corners: Array, faces: Sequence[Sequence[int]]) -> Array:
+def normals_of(corners: Array, faces: Sequence[Sequence[int]] | Indices) -> Array:
     """Outward unit normals of faces by Newell's formula, (faces, d)."""
     normals = np.zeros((len(faces), corners.shape[1]))
     for numbers, loops in _by_length(faces):
@@ -139,8 +145,11 @@ def normals_of(corners: Array, faces: Sequence[Sequence[int]]) -> Array:
     return np.asarray(normals / np.where(lengths > 0, lengths, 1.0))
 
 
-def _by_length(faces: Sequence[Sequence[int]]) -> Iterator[tuple[Indices, Indices]]:
+def _by_length(faces: Sequence[Sequence[int]] | Indices) -> Iterator[tuple[Indices, Indices]]:
     """Faces with as many corners together: their numbers, (m,), and their corners, (m, k)."""
+    if isinstance(faces, np.ndarray):
+        yield np.arange(len(faces)), faces
+        return
     lengths = np.array([len(face) for face in faces])
     for length in np.unique(lengths):
         numbers = np.flatnonzero(lengths == length)
@@ -179,7 +188,8 @@ def hull_of(points: ArrayLike, tolerance: float, name: str = "hull") -> tuple[Ar
     except QhullError:
         raise trouble from None
     if dimension == 2:
-        numbers = _turning(scaled, [int(k) for k in found.vertices], tolerance)
+        ring = [int(k) for k in found.vertices]
+        numbers = [ring[k] for k in turning(scaled[ring], tolerance)]
         return given[numbers], polygon_faces(len(numbers))
     triangles = np.array(found.simplices, dtype=np.int64)
     a, b, c = (scaled[triangles[:, k]] for k in range(3))
@@ -293,20 +303,6 @@ def _begun_well(points: Array, loops: list[list[int]]) -> list[list[int]]:
         for number, best in zip(numbers, np.argmax(areas, axis=1), strict=True):
             found[number] = [*loops[number][best:], *loops[number][:best]]
     return found
-
-
-def _turning(points: Array, ring: list[int], tolerance: float) -> list[int]:
-    """The corners of a convex ring that are off the line past them by more than the tolerance."""
-    kept, place = list(ring), 0
-    while place < len(kept) and len(kept) > 3:
-        a, b, c = (points[kept[(place + k) % len(kept)]] for k in (-1, 0, 1))
-        side = c - a
-        if abs(side[0] * (b - a)[1] - side[1] * (b - a)[0]) <= tolerance * math.hypot(*side):
-            del kept[place]
-            place = max(place - 1, 0)
-        else:
-            place += 1
-    return kept
 
 
 def _check_polygon(corners: Array, faces: Faces, size: float) -> None:

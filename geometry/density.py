@@ -193,11 +193,8 @@ class PiecewiseDensity:
         """Its value in cells of which each is in one part, (n,), by their vertices (n, k, d), m."""
         import numpy as np
 
-        middles, off = cells.mean(axis=1), []
-        for part in self.parts:
-            levels = [part.corners[face[0]] for face in part.faces]
-            heights = middles @ part.normals.T - np.einsum("ij,ij->i", levels, part.normals)
-            off.append(heights.max(axis=1))
+        middles = cells.mean(axis=1)
+        off = [part.beyond(middles) for part in self.parts]
         values = np.array([part.density for part in self.parts]) / self.mean
         return np.asarray(values[np.argmin(off, axis=0)])
 
@@ -217,8 +214,13 @@ class FootedDensity:
     law: LinearDensity | PartedDensity | None
     """How it varies in the box, over the mean there; None: it does not."""
 
-    def at_vertices(self, cells: Array, *, simplices: bool = True) -> Array:
-        """Its value in cells at their vertices (n, k, d), m, (n, k)."""
+    @property
+    def least(self) -> float:
+        """The least of it, that of the feet."""
+        return self.feet
+
+    def at_vertices(self, cells: Array) -> Array:
+        """Its value in simplices at their vertices (n, k, d), m, (n, k)."""
         import numpy as np
 
         lifted = cells.copy()
@@ -227,7 +229,7 @@ class FootedDensity:
         if isinstance(self.law, LinearDensity):
             values *= self.law.at(lifted)
         elif self.law is not None:
-            values *= self.law.means(lifted, simplices=simplices)[:, None]
+            values *= self.law.means(lifted, simplices=True)[:, None]
         middle = cells[:, :, -1].mean(axis=1)
         values[(middle < self.low) | (middle > self.high)] = self.feet
         return values

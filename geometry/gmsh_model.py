@@ -14,8 +14,9 @@ import numpy as np
 from dolfinx.mesh import Mesh, MeshTags
 from numpy.typing import NDArray
 
-from geometry.cells import silent_model
+from geometry.cells import HEXAHEDRON, QUADRILATERAL, TETRAHEDRON, TRIANGLE
 from geometry.compat import model_to_mesh
+from geometry.gmsh_session import silent_model
 from geometry.tags import CellTag, FacetTag
 from solver.types import Array, Indices, Mask
 
@@ -157,8 +158,6 @@ def _gridded_surface(
     ends = np.cumsum([0, *(len(side) for side in points)])
     return surface, [lines[a:b] for a, b in pairwise(ends)]
 
-
-QUADRILATERAL, HEXAHEDRON, TRIANGLE, TETRAHEDRON = 3, 5, 2, 4  # Gmsh's numbers of element types
 
 # The corners of a cell that share an edge with each of its corners, in Gmsh's order of corners.
 AROUND = {

@@ -10,7 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from geometry.cells import Cells, cells_of_model, silent_model
+from geometry.cells import Cells, cells_of_model
+from geometry.gmsh_session import (
+    elements_of_model,
+    failures,
+    nodes_of_model,
+    options,
+    silent_model,
+)
 from geometry.polygon import told
 from solver.types import Array, Indices
 
@@ -20,6 +27,10 @@ STEPS = (".step", ".stp")
 FINE = 16
 """Parts of the geometric mean of the sides of the box around the body of a STEP file that the edges
 of its surface have."""
+
+
+UNREAD = "got what Gmsh does not read ({}), allowed a body"
+"""What is said of a file at which Gmsh fails."""
 
 
 @lru_cache(maxsize=16)
@@ -33,22 +44,23 @@ def read_cells(path: Path, scale: float = 1.0) -> Cells:
     Raises:
         ValueError: There are none, or several kinds, or some without a volume, or several bodies.
     """
-    with silent_model("mesh") as gmsh, _told(path):
-        gmsh.merge(str(path))
-        found = cells_of_model(3)
-    cells = Cells(scale * found.points, found.numbers, found.kind)
-    thin = cells.volumes <= 1e-9 * cells.volumes.mean()
-    if thin.any():
-        place = cells.points[cells.numbers[int(np.argmax(thin))]].mean(axis=0)
-        raise ValueError(
-            f"{path}: got {int(thin.sum())} cells without a volume, one at {told(place)}, allowed"
-            " none"
-        )
-    if cells.pieces > 1:
-        raise ValueError(
-            f"{path}: got {cells.pieces} pieces that have no facet in common, allowed one body"
-        )
-    return cells
+    with _named(path):
+        with silent_model("mesh") as gmsh, failures(UNREAD):
+            gmsh.merge(str(path))
+            found = cells_of_model(3)
+        cells = Cells(scale * found.points, found.numbers, found.kind)
+        thin = cells.volumes <= 1e-9 * cells.volumes.mean()
+        if thin.any():
+            place = cells.points[cells.numbers[int(np.argmax(thin))]].mean(axis=0)
+            count = int(thin.sum())
+            raise ValueError(
+                f"got {count} cells without a volume, one at {told(place)}, allowed none"
+            )
+        if cells.pieces > 1:
+            raise ValueError(
+                f"got {cells.pieces} pieces that have no facet in common, allowed one body"
+            )
+        return cells
 
 
 def cells_of_step(path: Path, scale: float, size: float) -> Cells:
@@ -59,9 +71,8 @@ def cells_of_step(path: Path, scale: float, size: float) -> Cells:
         scale: Times these.
         size: Length of the edges of the cells, m.
     """
-    with _step_model(path) as gmsh:
-        _set_size(gmsh, size / scale)
-        gmsh.model.mesh.generate(3)
+    with _named(path), _step_model(path) as gmsh:
+        _generate(gmsh, 3, size / scale)
         found = cells_of_model(3)
     return Cells(scale * found.points, found.numbers, found.kind)
 
@@ -70,40 +81,32 @@ def surface_of_step(path: Path) -> tuple[Array, Indices]:
     """Points, m, and triangles of the surface of the body of a STEP file, some 16 along a side."""
     with _step_model(path) as gmsh:
         low, high = np.array(gmsh.model.getBoundingBox(-1, -1)).reshape(2, 3)
-        _set_size(gmsh, float(np.prod(high - low)) ** (1 / 3) / FINE)
-        gmsh.model.mesh.generate(2)
-        tags, points, _ = gmsh.model.mesh.getNodes()
-        place = np.zeros(int(tags.max()) + 1, dtype=np.int64)
-        place[tags] = np.arange(len(tags))
-        _, nodes = gmsh.model.mesh.getElementsByType(2)
-        return points.reshape(-1, 3), place[nodes.astype(np.int64)].reshape(-1, 3)
+        _generate(gmsh, 2, float(np.prod(high - low)) ** (1 / 3) / FINE)
+        points, numbers = nodes_of_model()
+        (triangles,) = elements_of_model(2, numbers)
+        return points, triangles.nodes
 
 
-def _set_size(gmsh: Any, size: float) -> None:
-    """Let all edges of cells have a length, m."""
+def _generate(gmsh: Any, dimension: int, size: float) -> None:
+    """Make the mesh of the current model up to a dimension, with edges of a length, m."""
     gmsh.model.mesh.setSize(gmsh.model.getEntities(0), size)
-    gmsh.option.setNumber("Mesh.MeshSizeMax", size)
+    with options({"Mesh.MeshSizeMax": size}):
+        gmsh.model.mesh.generate(dimension)
 
 
 @contextmanager
 def _step_model(path: Path) -> Iterator[Any]:
     """A Gmsh model of the one body of a STEP file, in m."""
-    with silent_model("step") as gmsh, _told(path):
-        before = gmsh.option.getString("Geometry.OCCTargetUnit")
-        largest = gmsh.option.getNumber("Mesh.MeshSizeMax")
-        gmsh.option.setString("Geometry.OCCTargetUnit", "M")
-        _refuse_no_step(path)
-        try:
-            gmsh.model.occ.importShapes(str(path))
-            gmsh.model.occ.synchronize()
-            bodies = gmsh.model.getEntities(3)
-            if len(bodies) != 1:
-                what = f"{len(bodies)} solids" if bodies else "no solid, only surfaces or lines"
-                raise ValueError(f"{path}: got {what}, allowed one")
-            yield gmsh
-        finally:
-            gmsh.option.setString("Geometry.OCCTargetUnit", before)
-            gmsh.option.setNumber("Mesh.MeshSizeMax", largest)
+    _refuse_no_step(path)
+    metres = {"Geometry.OCCTargetUnit": "M"}
+    with silent_model("step") as gmsh, failures(UNREAD), options(metres):
+        gmsh.model.occ.importShapes(str(path))
+        gmsh.model.occ.synchronize()
+        bodies = gmsh.model.getEntities(3)
+        if len(bodies) != 1:
+            what = f"{len(bodies)} solids" if bodies else "no solid, only surfaces or lines"
+            raise ValueError(f"got {what}, allowed one")
+        yield gmsh
 
 
 def _refuse_no_step(path: Path) -> None:
@@ -111,18 +114,14 @@ def _refuse_no_step(path: Path) -> None:
     with path.open("rb") as opened:
         if not opened.read(64).lstrip().startswith(b"ISO-10303-21"):
             raise ValueError(
-                f"{path}: got a file that does not begin with ISO-10303-21, allowed a STEP file"
+                "got a file that does not begin with ISO-10303-21, allowed a STEP file"
             )
 
 
 @contextmanager
-def _told(path: Path) -> Iterator[None]:
-    """Gmsh's failures as ValueErrors that name the file."""
+def _named(path: Path) -> Iterator[None]:
+    """ValueErrors that name the file."""
     try:
         yield
     except ValueError as error:
-        said = str(error)
-        raise ValueError(said if said.startswith(str(path)) else f"{path}: {said}") from None
-    except Exception as error:  # Gmsh has no narrower class
-        said = " ".join(str(error).split())
-        raise ValueError(f"{path}: got what Gmsh does not read ({said}), allowed a body") from None
+        raise ValueError(f"{path}: {error}") from None

@@ -80,17 +80,22 @@ def area_of(corners: Array) -> float:
 
 
 def without_straight(corners: Array, near: float) -> Array:
-    """The corners where the outline turns: none that is within `near` of the line past it."""
+    """The corners where an outline turns: none that is within `near` of the line past it."""
+    return corners[turning(corners, near)]
+
+
+def turning(corners: Array, near: float) -> list[int]:
+    """The numbers of these corners, (n, 2) or (n, 3)."""
     kept = list(range(len(corners)))
     place = 0
     while place < len(kept) and len(kept) > 3:
         before, here, after = (kept[(place + k) % len(kept)] for k in (-1, 0, 1))
-        if _to_segment(corners[here], corners[before], corners[after]) <= near:
+        if to_segment(corners[here], corners[before], corners[after]) <= near:
             del kept[place]
             place = max(place - 1, 0)
         else:
             place += 1
-    return corners[kept]
+    return kept
 
 
 def convex_pieces(corners: Array) -> list[Array]:
@@ -166,14 +171,14 @@ def _refuse_crossing(corners: Array, near: float, name: str) -> None:
 def _gaps(a: Array, b: Array, c: Array, d: Array) -> Array:
     """Distances of a segment a b, (2,) each, from others c d, (n, 2) each; 0 where they cross."""
     apart = np.minimum.reduce(
-        [_to_segment(a, c, d), _to_segment(b, c, d), _to_segment(c, a, b), _to_segment(d, a, b)]
+        [to_segment(a, c, d), to_segment(b, c, d), to_segment(c, a, b), to_segment(d, a, b)]
     )
     sides = turn(a, b, c) * turn(a, b, d), turn(c, d, a) * turn(c, d, b)
     return np.where((sides[0] < 0) & (sides[1] < 0), 0.0, apart)
 
 
-def _to_segment(point: Array, start: Array, end: Array) -> Array:
-    """Distances of points from segments, (..., 2) each."""
+def to_segment(point: Array, start: Array, end: Array) -> Array:
+    """Distances of points from segments, (..., d) each, m."""
     side = end - start
     share = np.sum((point - start) * side, axis=-1) / np.sum(side * side, axis=-1)
     foot = start + np.clip(share, 0.0, 1.0)[..., None] * side

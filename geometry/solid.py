@@ -528,9 +528,9 @@ def _hull_part(points: Array, density: float, name: str) -> tuple[Convex, float]
         The hull, and by how much points may be off it, m.
     """
     size, coarse = size_of(points), 0.0
-    chosen = points
-    while len(chosen) > MOST_POINTS if not coarse else len(chosen) > MOST_EDGES // 3:
-        coarse = 2 * coarse or COARSE * size
+    chosen, most = points, MOST_POINTS
+    while len(chosen) > most:
+        coarse, most = 2 * coarse or COARSE * size, MOST_EDGES // 3
         lowest = points[points[:, 2] <= points[:, 2].min() + SINGLE * size]
         if len(np.unique(lowest[:, :2], axis=0)) > 2:  # on which it stands
             flat = few_corners(lowest[:, :2], coarse)

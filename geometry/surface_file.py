@@ -10,8 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from geometry.cells import silent_model
-from geometry.mesh_file import surface_of_step
+from geometry.cells import TETRAHEDRON, Cells
+from geometry.gmsh_session import elements_of_model, failures, nodes_of_model, silent_model
+from geometry.mesh_file import UNREAD, surface_of_step
 from geometry.ply_file import read_ply
 from geometry.polygon import size_of, told
 from geometry.surface import MOST, Surface, merged, refuse_too_many
@@ -48,8 +49,7 @@ def read_surface(path: str | Path, scale: float = 1.0) -> Surface:
     try:
         points, triangles = reader(file)
     except ValueError as error:
-        said = str(error)
-        raise ValueError(said if said.startswith(str(file)) else f"{file}: {said}") from None
+        raise ValueError(f"{file}: {error}") from None
     if not len(triangles):
         raise ValueError(f"{file}: got no facets, allowed a closed surface")
     refuse_too_many(len(triangles), str(file))
@@ -123,39 +123,28 @@ def _from_vtu(file: Path) -> tuple[Array, Indices]:
 
 def _from_msh(file: Path) -> tuple[Array, Indices]:
     """Points and boundary of a mesh of Gmsh, of any of its formats; cells by their corners."""
-    try:
-        with silent_model("surface file") as gmsh:
-            gmsh.merge(str(file))
-            return _of_gmsh_model(gmsh.model.mesh)
-    except ValueError:
-        raise
-    except Exception as error:  # Gmsh has no narrower class
-        raise ValueError(f"got what Gmsh does not read ({error}), allowed a mesh") from None
+    with silent_model("surface file") as gmsh, failures(UNREAD):
+        gmsh.merge(str(file))
+        return _of_gmsh_model()
 
 
 VTK_CELLS = {(2, 3): 5, (2, 4): 9, (3, 4): 10, (3, 8): 12, (3, 6): 13, (3, 5): 14}
 """VTK's number of a cell by its dimension and its corners."""
 
 
-def _of_gmsh_model(mesh: Any) -> tuple[Array, Indices]:
+def _of_gmsh_model() -> tuple[Array, Indices]:
     """Points and boundary of the cells of Gmsh's current model, or its facets if it has none."""
     import pyvista
 
-    numbers, coordinates, _ = mesh.getNodes()
-    cells: dict[int, Indices] = {}
-    place = np.zeros(int(max(numbers, default=0)) + 1, dtype=np.int64)
-    place[numbers] = np.arange(len(numbers))
+    points, numbers = nodes_of_model()
     for dimension in (3, 2):
-        for kind, _, nodes in zip(*mesh.getElements(dimension), strict=True):
-            _, _, _, count, _, corners = mesh.getElementProperties(kind)
-            rows = place[nodes.astype(np.int64).reshape(-1, count)[:, :corners]]
-            vtk = VTK_CELLS[dimension, corners]
+        cells: dict[int, Indices] = {}
+        for _, rows in elements_of_model(dimension, numbers):
+            vtk = VTK_CELLS[dimension, rows.shape[1]]
             cells[vtk] = np.concatenate([cells.get(vtk, rows[:0]), rows])
         if cells:
-            break
-    if not cells:
-        return np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64)
-    return _boundary(pyvista.UnstructuredGrid(cells, coordinates.reshape(-1, 3)))
+            return _boundary(pyvista.UnstructuredGrid(cells, points))
+    return np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64)
 
 
 def _boundary(grid: Any) -> tuple[Array, Indices]:
@@ -171,20 +160,8 @@ def _boundary(grid: Any) -> tuple[Array, Indices]:
     if (grid.celltypes != tetra).any():
         grid = grid.triangulate()
     points = np.asarray(grid.points, dtype=np.float64)
-    return points, tetrahedra_boundary(points, np.asarray(grid.cells_dict[tetra], dtype=np.int64))
-
-
-def tetrahedra_boundary(points: Array, cells: Indices) -> Indices:
-    """Facets that one tetrahedron only has, (m, 3), outwards, whichever way its corners go."""
-    a, b, c, d = (points[cells[:, k]] for k in range(4))
-    wrong = np.einsum("ni,ni->n", np.cross(b - a, c - a), d - a) < 0
-    cells = cells.copy()
-    cells[wrong] = cells[wrong][:, [0, 2, 1, 3]]
-    faces = cells[:, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]].reshape(-1, 3)
-    _, place, uses = np.unique(
-        np.sort(faces, axis=1), axis=0, return_inverse=True, return_counts=True
-    )
-    return np.asarray(faces[uses[place.reshape(-1)] == 1])
+    tetrahedra = np.asarray(grid.cells_dict[tetra], dtype=np.int64)
+    return points, Cells(points, tetrahedra, TETRAHEDRON).boundary
 
 
 def _by_vtk(module: str, reader: str, file: Path) -> tuple[Array, Indices]:

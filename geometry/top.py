@@ -45,6 +45,11 @@ class Top:
         return np.asarray(beside | (places[:, -1] < self.level))
 
 
+def top_over_centre(block: Block, dimension: int) -> float:
+    """Height of the top of a block over its centre of mass, m."""
+    return top_of(block, dimension).level - block.centre_height
+
+
 @lru_cache(maxsize=256)
 def top_of(block: Block, dimension: int) -> Top:
     """The top of a block, about the middle of its bottom."""
@@ -57,10 +62,10 @@ def top_of(block: Block, dimension: int) -> Top:
     chosen = corners[sorted(numbers | set(map(int, np.flatnonzero(high))))]
     level, seen = float(chosen[:, -1].min()), chosen[:, :-1]
     if dimension == 3 and np.linalg.matrix_rank(seen - seen[0], tol=NEAR * block.solid.size) == 2:
-        ring, sides = hull_of(seen, NEAR)
-        normals = normals_of(ring, sides)
-        starts = ring[[side[0] for side in sides]]
+        ring, edges = hull_of(seen, NEAR)
+        normals = normals_of(ring, edges)
+        starts = ring[[edge[0] for edge in edges]]
         return Top(normals, np.einsum("ni,ni->n", normals, starts), level)
     # In the plane, and of a ridge or a tip in space, the rectangle around it.
-    sides_of_box = np.concatenate([np.eye(dimension - 1), -np.eye(dimension - 1)])
-    return Top(sides_of_box, (seen @ sides_of_box.T).max(axis=0), level)
+    sides = np.concatenate([np.eye(dimension - 1), -np.eye(dimension - 1)])
+    return Top(sides, (seen @ sides.T).max(axis=0), level)

@@ -21,7 +21,7 @@ from solver.bodies.packed_form import PackedForm
 from solver.bodies.reduced_body import ReducedBody
 from solver.bodies.rigid_body import DenseBody
 from solver.parallel import global_sum
-from solver.types import Array, Indices, Mask
+from solver.types import Array, Indices
 
 NEAR = 1e-9
 """Distance from a face, as a part of its size, below which a node is on it."""
@@ -150,24 +150,10 @@ def _nodal(body: ElasticBody, integrand: Any) -> Array:
     return np.array(vector.array[: body.size])
 
 
-def face_of(body: ElasticBody, low: Array, high: Array) -> MeshedPlace:
-    """The mean of a face of a meshed body: a force on it is a traction that is even; collective.
-
-    Args:
-        body: The body.
-        low: Lowest corner of the face, along an axis at the level of the highest one, (d,), m.
-        high: Highest corner.
-    """
+def face_of(body: ElasticBody, facet_tags: mesh.MeshTags, *tags: int) -> MeshedPlace:
+    """The mean of facets of a meshed body: a force on it is a traction that is even; collective."""
     domain, d = body.space.mesh, body.dimension
-    near = NEAR * float(np.linalg.norm(high - low))
-
-    def on_face(x: Array) -> Mask:
-        """Points (3, n) on the face."""
-        return np.asarray(((x[:d].T >= low - near) & (x[:d].T <= high + near)).all(axis=1))
-
-    facets = mesh.locate_entities_boundary(domain, d - 1, on_face)
-    tags = mesh.meshtags(domain, d - 1, facets, np.ones_like(facets))
-    ds = ufl.Measure("ds", domain, subdomain_data=tags)(1)
+    ds = ufl.Measure("ds", domain, subdomain_data=facet_tags)(tags)
     test, x = ufl.TestFunction(body.space), ufl.SpatialCoordinate(domain)
     area = _integral(body, _one(domain) * ds)
     rows = [_nodal(body, test[k] * ds) / area for k in range(d)]

@@ -9,20 +9,15 @@ from itertools import combinations, product
 from mpi4py import MPI
 
 import numpy as np
-from dolfinx.mesh import MeshTags
 
-from geometry.arrangement import Pose
-from geometry.body_faces import BodyFaces, faces_of_block
-from geometry.mesh import move
-from solver.bodies.elastic_body import ElasticBody
-from solver.bodies.rigid_body import RigidBox, rigid_box
-from solver.build.attached import AttachedBlock, attached_of
+from solver.bodies.rigid_body import RigidBox
+from solver.build.attached import attached_of
+from solver.build.block_body import BlockBody, block_body
 from solver.build.foundation import FoundationBody, foundation
-from solver.build.meshed_body import mesh_of_block, meshed_body, relative_density
 from solver.contact.pairs import FacePair, FloorSurface
 from solver.contact.surfaces import BlockSurface
 from solver.excitation.motion import GroundMotion, read_ground
-from solver.scene import BlockSpec, Scene
+from solver.scene import Scene
 from solver.scene.places import standing_part, stands
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.stepping.contact_solve import StepFailed
@@ -30,29 +25,6 @@ from solver.stepping.state import State
 from solver.stepping.stepper import Stepper
 from solver.stepping.system import Body, System
 from solver.types import Array
-
-
-@dataclass(slots=True)
-class BlockBody:
-    """A block as a body.
-
-    Attributes:
-        spec: What the scene says of it.
-        body: The body.
-        number: Of the body in the system.
-        stand: From the body's reference configuration to where it begins.
-        surface: Its surface, that of its convex hull.
-        parts: Those of its convex parts; of a convex body its surface.
-        carriers: Numbers of the bodies that carry it.
-    """
-
-    spec: BlockSpec
-    body: ElasticBody | RigidBox
-    number: int
-    stand: Pose
-    surface: BlockSurface
-    parts: tuple[BlockSurface, ...]
-    carriers: tuple[int, ...] = ()
 
 
 @dataclass(slots=True)
@@ -85,7 +57,9 @@ def build(
     """
     ground = ground or read_ground(scene, comm)
     placed = stands(scene.order, scene.dimension)
-    members = [_member(scene, k, placed[spec.name], comm) for k, spec in enumerate(scene.blocks)]
+    members = [
+        block_body(scene, k, *placed[spec.name], comm) for k, spec in enumerate(scene.blocks)
+    ]
     support = foundation(scene, len(members), comm, ground)
     bodies: list[Body] = []
     bodies += [member.body for member in members]
@@ -108,7 +82,6 @@ def build(
     for member in members:
         member.carriers = tuple(names[name] for name in member.spec.carriers if name in names)
     system = System(bodies)
-    blocks = [AttachedBlock(m.spec, m.body, m.number, placed[m.spec.name][0]) for m in members]
     stepper = Stepper(
         system,
         pairs,
@@ -117,65 +90,9 @@ def build(
         ground=ground if ground.moves else None,
         velocity_solve=scene.contact.velocity_solve,
         petsc_options=petsc_options,
-        attached=attached_of(scene, blocks, support, system),
+        attached=attached_of(scene, members, support, system),
     )
     return Assembly(stepper, members, support, floor)
-
-
-def _member(scene: Scene, number: int, placed: tuple[Pose, Pose], comm: MPI.Intracomm) -> BlockBody:
-    """One block: meshed upright at its place, or rigid."""
-    spec = scene.blocks[number]
-    upright, stand = placed
-    if spec.model == "rigid":
-        centre = np.array(spec.shape.centre_of_mass(scene.dimension))
-        body = rigid_box(spec.name, spec.shape, upright(centre[None])[0], comm=comm)
-        return BlockBody(spec, body, number, stand, *_surfaces(scene, spec, body, number, upright))
-    made, faces = mesh_of_block(scene, spec, comm)
-    move(made.mesh, upright)
-    elastic = meshed_body(
-        scene,
-        spec.name,
-        made,
-        material=spec.material(scene.material_plane),
-        thickness=spec.thickness,
-        degree=spec.degree,
-        damping=scene.damping_of(spec),
-        density=relative_density(spec, made.mesh, upright(np.zeros((1, scene.dimension)))[0]),
-    )
-    surfaces = _surfaces(scene, spec, elastic, number, upright, faces, made.facet_tags)
-    return BlockBody(spec, elastic, number, stand, *surfaces)
-
-
-def _surfaces(
-    scene: Scene,
-    spec: BlockSpec,
-    body: ElasticBody | RigidBox,
-    number: int,
-    upright: Pose,
-    faces: Sequence[BodyFaces] = (),
-    facet_tags: MeshTags | None = None,
-) -> tuple[BlockSurface, tuple[BlockSurface, ...]]:
-    """The surface of a block's hull, and those of its parts.
-
-    Args:
-        scene: The scene.
-        spec: The block.
-        body: As a body, upright at its place.
-        number: In the system.
-        upright: Moves it there from its own frame.
-        faces: Those of the hull and of parts on its mesh; none: those of its shape.
-        facet_tags: The tags of the mesh.
-    """
-    d, is_box = scene.dimension, spec.shape.solid is None
-    own = faces or faces_of_block(spec.shape, d)
-    ends, by = upright(np.array(spec.shape.bottom_corners(d))), upright(np.zeros((1, d)))[0]
-    hull, *parts = (
-        BlockSurface(
-            body, number, each.moved(by), scene.contact, facet_tags, ends=ends, is_box=is_box
-        )
-        for each in own
-    )
-    return hull, tuple(parts) or (hull,)
 
 
 def _below(

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
-from typing import Any, Generic, NamedTuple, TypeVar
+from itertools import accumulate
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 import scipy.sparse as sp
 
 from geometry.arrangement import Pose, level
+from geometry.block import Block
 from solver.bodies.attachment import (
     Attachment,
     MeshedAttachment,
@@ -23,36 +25,21 @@ from solver.bodies.attachment import (
 )
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.reduced_body import ReducedBody
-from solver.bodies.rigid_body import DenseBody, RigidBox
+from solver.bodies.rigid_body import DenseBody
+from solver.build.block_body import BlockBody
 from solver.build.foundation import FoundationBody
 from solver.contact.carriers import Face
-from solver.rigid.forces import face_corners, mean_factor, place_of, whole_force
-from solver.rigid.links import laws_of, sense_of
-from solver.scene import BlockSpec, Scene
+from solver.excitation.forces import mean_factor, normal_of, place_of, whole_force
+from solver.law.links import laws_of, sense_of
+from solver.scene import Scene
 from solver.scene.force import ForceSpec
 from solver.scene.laws import GROUND
 from solver.scene.link import LinkSpec
+from solver.scene.places import own_ends
 from solver.stepping.attached import AppliedForce, Attached, Attachments
 from solver.stepping.body_links import BodyLink, BodyLinks
 from solver.stepping.system import System
 from solver.types import Array
-
-
-class AttachedBlock(NamedTuple):
-    """A block, as links and forces find it.
-
-    Attributes:
-        spec: What the scene says of it.
-        body: The body.
-        number: Of the body in the system.
-        upright: From its own frame to where it is meshed.
-    """
-
-    spec: BlockSpec
-    body: ElasticBody | RigidBox
-    number: int
-    upright: Pose
-
 
 Place = TypeVar("Place")
 
@@ -114,10 +101,10 @@ class Ground(Holder[Array]):
 class RigidHolder(Holder[tuple[Array, Array]]):
     """A rigid block or a platform: places are sums of points, (m, d), with shares, (m,)."""
 
-    def __init__(self, number: int, body: DenseBody, upright: Pose, shape: BlockSpec | None):
-        """Take the body, the motion from its own frame to its initial place, and the block."""
+    def __init__(self, number: int, body: DenseBody, upright: Pose, shape: Block | None = None):
+        """Take the body, the motion from its own frame to its initial place, and its shape."""
         super().__init__(number)
-        self._body, self._upright, self._spec = body, upright, shape
+        self._body, self._upright, self._shape = body, upright, shape
 
     def point(self, place: Array) -> tuple[Array, Array]:
         """A point of the own frame."""
@@ -130,8 +117,8 @@ class RigidHolder(Holder[tuple[Array, Array]]):
 
     def acted_on(self, force: ForceSpec) -> tuple[Array, Array]:
         """The place of a force."""
-        assert self._spec is not None
-        return self.point(place_of(force, self._spec.shape, self._body.dimension))
+        assert self._shape is not None
+        return self.point(place_of(force, self._shape, self._body.dimension))
 
     def attachment(self) -> RigidAttachment:
         """All places."""
@@ -143,11 +130,12 @@ class RigidHolder(Holder[tuple[Array, Array]]):
 class MeshedHolder(Holder[MeshedPlace]):
     """An elastic block."""
 
-    def __init__(self, block: AttachedBlock):
+    def __init__(self, block: BlockBody):
         """Take the block."""
         super().__init__(block.number)
-        assert isinstance(block.body, ElasticBody)
-        self._body, self._upright, self._shape = block.body, block.upright, block.spec.shape
+        assert isinstance(block.body, ElasticBody) and block.facet_tags is not None
+        self._body, self._upright, self._tags = block.body, block.upright, block.facet_tags
+        self._box = block.parts[0]
         self._axes: list[MeshedPlace] | None = None
 
     def point(self, place: Array) -> MeshedPlace:
@@ -165,8 +153,9 @@ class MeshedHolder(Holder[MeshedPlace]):
     def acted_on(self, force: ForceSpec) -> MeshedPlace:
         """The mean of a face, a point, or the centre of mass."""
         if force.face is not None:
-            corners = np.array(face_corners(force, self._shape, self._body.dimension))
-            return face_of(self._body, *self._upright(corners))
+            axis, sense = normal_of(force, self._body.dimension)
+            outwards = -sense * np.eye(self._body.dimension)[axis]
+            return face_of(self._body, self._tags, *self._box.facets_towards(outwards))
         if force.at is not None:
             return self.point(np.array(force.at))
         return centre_of(self._body)
@@ -207,7 +196,7 @@ class DeckHolder(Holder[MeshedPlace]):
 
 
 def attached_of(
-    scene: Scene, blocks: Sequence[AttachedBlock], support: FoundationBody, system: System
+    scene: Scene, blocks: Sequence[BlockBody], support: FoundationBody, system: System
 ) -> Attached | None:
     """Links and forces of a scene; None where it has neither; collective."""
     if not (scene.links or scene.forces):
@@ -217,14 +206,18 @@ def attached_of(
         if isinstance(block.body, ElasticBody):
             holders[block.spec.name] = MeshedHolder(block)
         else:
-            own = block.number, block.body, block.upright, block.spec
+            own = block.number, block.body, block.upright, block.spec.shape
             holders[block.spec.name] = RigidHolder(*own)
     poses = scene.poses() | {GROUND: level(np.zeros(scene.dimension))}
     asked = [list(_places_of(link, holders, poses)) for link in scene.links]
     pushed = [(holder := holders[force.on]).add(holder.acted_on(force)) for force in scene.forces]
-    first, of_bodies, ground = _numbered(holders.values(), scene.dimension)
+    # Places are numbered body after body, those on the ground last.
+    used = [holder for holder in holders.values() if holder.found]
+    used.sort(key=lambda holder: np.inf if holder.number is None else holder.number)
+    counts = accumulate((len(holder.found) for holder in used[:-1]), initial=0)
+    first = dict(zip(used, counts, strict=True))
     links = [
-        _link(link, poses, [first[holder] + k for holder, k in places])
+        _link(link, [first[holder] + k for holder, k in places])
         for link, places in zip(scene.links, asked, strict=True)
     ]
     shapes = {block.spec.name: block.spec.shape for block in blocks}
@@ -236,9 +229,15 @@ def attached_of(
         )
         for force, (holder, k) in zip(scene.forces, pushed, strict=True)
     ]
+    of_bodies = {
+        holder.number: places
+        for holder in used
+        if holder.number is not None and (places := holder.attachment()) is not None
+    }
+    ground = [place for holder in used if holder.number is None for place in holder.found]
     return Attached(
-        Attachments(system, of_bodies, ground),
-        BodyLinks(links, scene.dimension) if links else None,
+        Attachments(system, of_bodies, np.reshape(ground, (-1, scene.dimension))),
+        BodyLinks(links, scene.dimension),
         forces,
     )
 
@@ -250,7 +249,7 @@ def _of_support(support: FoundationBody) -> Holder[Any]:
         return Ground()
     assert support.number is not None
     if isinstance(body, DenseBody):
-        return RigidHolder(support.number, body, level(np.zeros(d)), None)
+        return RigidHolder(support.number, body, level(np.zeros(d)))
     top = support.carrier()
     assert isinstance(top, Face)
     return DeckHolder(support.number, body, top)
@@ -260,49 +259,24 @@ def _places_of(
     link: LinkSpec, holders: Mapping[str, Holder[Any]], poses: Mapping[str, Pose]
 ) -> Iterator[tuple[Holder[Any], int]]:
     """Places of the ends of a link, then its axes; collective."""
-    here = poses[link.between[0]](np.array([link.at]))
-    for name, given in zip(link.between, (link.at, link.to), strict=True):
-        pose = poses[name]
-        place = np.array(given) if given is not None else (here[0] - pose.place) @ pose.rotation
-        if given is None:
-            place = place + pose.about
+    for name, place in zip(link.between, own_ends(link, poses), strict=True):
         yield holders[name].add(holders[name].point(place))
     if not link.is_axial:
-        own, pose = holders[link.between[0]], poses[link.between[0]]
+        own = holders[link.between[0]]
         # At the start they are those of space, and turn with the first body from there.
-        axes = pose.rotation.copy()
+        axes = poses[link.between[0]].rotation.copy()
         axes[-1] *= sense_of(link, poses)
         for direction in axes:
             yield own.add(own.axis(direction))
 
 
-def _link(link: LinkSpec, poses: Mapping[str, Pose], places: Sequence[int]) -> BodyLink:
+def _link(link: LinkSpec, places: Sequence[int]) -> BodyLink:
     """A link whose ends and axes have these numbers."""
-    given = None if link.length is None else np.array([link.length])
     return BodyLink(
         ends=(places[0], places[1]),
         axes=tuple(places[2:]),
-        length=given,
+        length=None if link.length is None else np.array([link.length]),
         laws=laws_of(link, len(link.at)),
         preload=link.preload or 0.0,
         strength=np.inf if link.strength is None else link.strength,
     )
-
-
-def _numbered(
-    holders: Collection[Holder[Any]], d: int
-) -> tuple[dict[Holder[Any], int], dict[int, Attachment], Array]:
-    """Number of the first place of each holder, the places of bodies, and those on the ground."""
-    first: dict[Holder[Any], int] = {}
-    of_bodies: dict[int, Attachment] = {}
-    count, ground = 0, np.empty((0, d))
-    bodies = [holder for holder in holders if holder.found and holder.number is not None]
-    for holder in sorted(bodies, key=lambda holder: holder.number or 0):
-        first[holder], count = count, count + len(holder.found)
-        attachment = holder.attachment()
-        assert attachment is not None and holder.number is not None
-        of_bodies[holder.number] = attachment
-    for holder in holders:
-        if holder.number is None and holder.found:
-            first[holder], ground = count, np.array(holder.found)
-    return first, of_bodies, ground

@@ -22,6 +22,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from geometry.polygon import area_of, to_segment
 from solver.contact.body_points import FacePoints, SurfaceState
 from solver.contact.carriers import Face, FacetCarrier
 from solver.contact.interface import Interface
@@ -50,7 +51,7 @@ def distance_inside(places: Array, ring: Array) -> Array:
     sides = sides / np.linalg.norm(sides, axis=1)[:, None]
     off = places[:, None] - ring
     depth = sides[:, 0] * off[..., 1] - sides[:, 1] * off[..., 0]
-    return np.asarray(np.min(depth * _sense(ring), axis=1))
+    return np.asarray(np.min(depth * np.sign(area_of(ring)), axis=1))
 
 
 def distance_to_edges(places: Array, ring: Array) -> Array:
@@ -60,17 +61,8 @@ def distance_to_edges(places: Array, ring: Array) -> Array:
     """
     if ring.shape[1] == 1:
         return np.asarray(np.abs(places - ring.T).min(axis=1))
-    ways = np.roll(ring, -1, axis=0) - ring
-    off = places[:, None] - ring
-    part = np.einsum("mni,ni->mn", off, ways) / np.sum(ways**2, axis=1)
-    apart = off - np.clip(part, 0.0, 1.0)[..., None] * ways
-    return np.asarray(np.linalg.norm(apart, axis=2).min(axis=1))
-
-
-def _sense(ring: Array) -> float:
-    """1 where the corners of a polygon, (n, 2), stand anticlockwise, else -1."""
-    (x, y), (further, higher) = ring.T, np.roll(ring, -1, axis=0).T
-    return float(np.sign(np.sum(x * higher - y * further)))
+    apart = to_segment(places[:, None], ring, np.roll(ring, -1, axis=0))
+    return np.asarray(apart.min(axis=1))
 
 
 def _edges_of(level: Array, rings: Sequence[Array] | None) -> tuple[Array, Array]:
@@ -82,7 +74,7 @@ def _edges_of(level: Array, rings: Sequence[Array] | None) -> tuple[Array, Array
             rectangle around the nodes.
     """
     given = [rectangle_around(level)] if rings is None else list(rings)
-    if _sense(given[0]) < 0:
+    if area_of(given[0]) < 0:
         given = [ring[::-1] for ring in given]
     ends = [np.roll(ring, -1, axis=0) for ring in given]
     return np.concatenate(given), np.concatenate(ends)

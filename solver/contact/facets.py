@@ -16,6 +16,7 @@ from dolfinx import fem, mesh
 from numpy.typing import NDArray
 
 from geometry.compat import geometry_degree, geometry_nodes
+from geometry.polygon import without_straight
 from solver.bodies.surface_layer import Layer
 from solver.contact.quadrature import Cut, facet_rule, on_facets
 from solver.types import Array, Indices
@@ -360,10 +361,6 @@ def _chains(first: Indices, last: Indices, positions: Array) -> Indices:
     return np.array(order, dtype=np.int64)
 
 
-STRAIGHT = 1e-6
-"""Sine of the angle below which an outline goes straight on."""
-
-
 def outlines(surface: Facets) -> tuple[Array, ...]:
     """Corners around the pieces of a face, (n, d), m, that around the outermost first.
 
@@ -390,13 +387,5 @@ def outlines(surface: Facets) -> tuple[Array, ...]:
             loop.append(here)
             here = follower[here].pop()
         follower = {a: more for a, more in follower.items() if more}
-        found.append(_without_straight(places[loop]))
+        found.append(without_straight(places[loop], 1e-9 * float(np.ptp(places))))
     return tuple(sorted(found, key=lambda ring: -float(np.ptp(ring, axis=0).max())))
-
-
-def _without_straight(ring: Array) -> Array:
-    """The corners of a ring at which it turns."""
-    before, after = ring - np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0) - ring
-    turn = np.linalg.norm(np.cross(before, after), axis=1)
-    turn /= np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1)
-    return np.asarray(ring[turn > STRAIGHT])

@@ -84,6 +84,11 @@ class BlockSurface:
         """Tags of the facets whose points touch with some faces."""
         return frozenset().union(*(self._faces.points[tag] for tag in faces))
 
+    def facets_towards(self, direction: Array) -> frozenset[int]:
+        """Tags of the facets of the face that looks most in a direction of the undeformed body."""
+        tag = max(self.tags, key=lambda tag: float(self._frames[tag][0] @ direction))
+        return self._faces.facets[tag]
+
     def face(self, tag: int, margin: float) -> Face | None:
         """A face as a carrier, which carries what is beyond its edge by a part of a facet.
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from geometry.arrangement import Pose, level
 from solver.fields.part import Part, in_space
-from solver.rigid.links import BROKEN, LinkRows
+from solver.history.link_columns import BROKEN, LinkRows
 from solver.scene import Scene
 from solver.scene.laws import GROUND
 from solver.scene.names import LINKS

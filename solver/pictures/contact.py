@@ -9,7 +9,7 @@ from enum import Enum
 import numpy as np
 
 from solver.history.pairs import force_on_first
-from solver.results.motion import boxes, lost_carrier, top_axes
+from solver.results.motion import boxes, lost_carrier, platform_drift, top_axes
 from solver.results.runs import Run
 from solver.scene import BlockSpec
 from solver.types import Array
@@ -118,19 +118,16 @@ def pair_frames(run: Run, times: Array) -> list[PairFrames]:
     return found
 
 
-def platform_drift(run: Run, times: Array) -> Array:
-    """Displacement of the foundation at some times (s), m, (n, d)."""
-    drift = np.zeros((len(times), run.scene.dimension))
-    for axis, name in enumerate(("platform.drift_m", "platform.drift_second_m")):
-        if name in run.history and axis < run.scene.dimension - 1:
-            drift[:, axis] = np.interp(times, run.history["time_s"], run.history[name])
-    return drift
-
-
 def block_poses(run: Run, block: BlockSpec, times: Array) -> tuple[Array, Array]:
     """Middle, m, (n, d), and axes as columns, (n, d, d), of a block at some times, s."""
     time, box = run.history["time_s"], boxes(run.history, block)
     return interpolated(time, box.centres, times), _turned(time, box.frames, times)
+
+
+def drift_at(run: Run, times: Array) -> Array:
+    """Displacement of the foundation at some times (s), m, (n, d)."""
+    drift = platform_drift(run.history, run.scene.dimension)
+    return interpolated(run.history["time_s"], drift, times)
 
 
 def interpolated(time: Array, values: Array, times: Array) -> Array:

@@ -20,6 +20,7 @@ from matplotlib.ticker import FormatStrFormatter
 
 from solver.errors import EnvironmentTrouble
 from solver.fields.ground import floor_level
+from solver.fields.part import in_space
 from solver.pictures.contact import block_poses
 from solver.pictures.links import LOOKS, LinkFrames, legend_handles, links_of, states_in
 from solver.pictures.meshes import (
@@ -31,7 +32,7 @@ from solver.pictures.meshes import (
     rigid_shapes,
     stress_of,
 )
-from solver.pictures.renderer import Renderer, bars, display, in_view
+from solver.pictures.renderer import Renderer, arrow_of_weight, bars, display, in_view
 from solver.pictures.style import (
     FLOOR,
     FLOOR_EDGE,
@@ -58,9 +59,8 @@ TITLE, LABEL, BAR = 0.45, 0.45, 0.9
 #: Floor in space beyond the bodies, over their size.
 BEYOND = 0.3
 
-#: Length of an arrow of the weight over the height of the tallest block, as in films, and of a link
-#: that is drawn as a dot over that.
-UNIT, DOT = 0.3, 0.06
+#: Length of a link that is drawn as a dot over that of an arrow of the weight.
+DOT = 0.06
 
 #: Pixels of the longer side of a picture in space.
 PIXELS = 1000
@@ -131,7 +131,7 @@ class Snapshot:
     @property
     def places(self) -> Array:
         """Points of all surfaces, and ends of links, m, (n, 3)."""
-        ends = [_in_space(link.ends[0]) for link in self.links]
+        ends = [in_space(link.ends[0]) for link in self.links]
         return np.concatenate([*(np.asarray(s.points) for s in self.surfaces), *ends])
 
     @property
@@ -168,11 +168,6 @@ def read_snapshots(
     return found
 
 
-def _in_space(places: Array) -> Array:
-    """Places (n, d) in space, m, (n, 3)."""
-    return np.pad(places, ((0, 0), (0, 3 - places.shape[1])))
-
-
 def _above(surface: Any, floor: float) -> Any:
     """The part of a surface that is above the floor, but for round-off."""
     slack = 1e-6 * float(np.ptp(surface.points))
@@ -202,7 +197,7 @@ def deformed_figure(run: Run, fields: Path, chosen: Sequence[Instant] = ()) -> F
     panel = (WIDTH - LABEL - (BAR if _limit(snapshots) > 0 else 0.0)) / columns
     height = rows * (panel * float(high_by / wide) + TITLE) + LABEL
     figure = new_figure(min(max(height, 1.8), 8.0))
-    unit = UNIT * max(block.shape.height for block in run.scene.blocks)
+    unit = arrow_of_weight(run.scene)
     draw_snapshots(figure, snapshots, chosen, dimension=dimension, floor=floor, unit=unit)
     return figure
 

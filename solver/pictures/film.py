@@ -17,15 +17,24 @@ from solver.pictures.contact import (
     PairFrames,
     State,
     block_frames,
+    drift_at,
     interpolated,
     pair_frames,
-    platform_drift,
 )
 from solver.pictures.encode import encoder_for
 from solver.pictures.ground import add_ground
 from solver.pictures.links import LinkFrames, legend_handles, links_of, states_in
 from solver.pictures.meshes import Bodies, bodies_of
-from solver.pictures.renderer import Pixels, Renderer, arrow, bars, display, in_space, in_view
+from solver.pictures.renderer import (
+    Pixels,
+    Renderer,
+    arrow,
+    arrow_of_weight,
+    bars,
+    display,
+    in_front,
+    in_view,
+)
 from solver.pictures.style import (
     STRESS,
     STYLE,
@@ -57,8 +66,8 @@ BODY = {State.STICKS: "#c9d3df", State.SLIPS: "#f6cf9b", State.OPEN: "#e8f4e4"}
 PLATFORM = "#b5b5b5"
 
 #: An arrow is drawn no longer than this, and not where it is shorter than that, over the one of the
-#: largest weight, which has a part of the height of the tallest block.
-LONGEST, SHORTEST_ARROW, UNIT = 3.0, 0.03, 0.3
+#: largest weight.
+LONGEST, SHORTEST_ARROW = 3.0, 0.03
 
 #: Height of a heading, and of a line of its legend more, in.
 HEADING, LEGEND = 0.62, 0.2
@@ -210,11 +219,11 @@ class Shot:
         self._pairs = pair_frames(run, times)
         self.links = links_of(run, times)
         blocks = list(self._blocks.values())
-        self.bodies: Bodies = bodies_of(run, blocks, platform_drift(run, times), times)
+        self.bodies: Bodies = bodies_of(run, blocks, drift_at(run, times), times)
         self._ground = ground_path(run, times) if fixed else np.zeros((len(times), scene.dimension))
         self.low, self.high = _extent(blocks, self.bodies, self.links, self._ground)
         """Least and greatest place of the bodies in all frames, m, (d,)."""
-        self._unit = UNIT * max(block.shape.height for block in scene.blocks)
+        self._unit = arrow_of_weight(scene)
         """Length of an arrow that stands for the largest weight, m."""
         self._weight = max(block.weight for block in blocks)
         """That weight, N."""
@@ -233,11 +242,9 @@ class Shot:
             force, state = push.force[frame], push.states[frame]
             length = float(np.linalg.norm(force)) * push.weight / self._weight
             if length >= SHORTEST_ARROW:
-                start = in_space(place)
-                start[2] += 0.01 * (len(force) == 2)  # before the plane
                 drawn = self._unit * min(length, LONGEST)
                 hue = FORCE[state]
-                arrows.append((arrow(start, force, drawn, unit=self._unit), hue))
+                arrows.append((arrow(in_front(place), force, drawn, unit=self._unit), hue))
         arrows += bars(self.links, frame, unit=self._unit)
         return renderer.draw(bodies, arrows, self._ground[frame])
 

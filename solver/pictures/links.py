@@ -10,14 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.fields.links import LEFT
-from solver.pictures.contact import block_poses, platform_drift
-from solver.results.motion import boxes
+from solver.history.link_columns import BROKEN, FLOWED, SLACK, TAUT
+from solver.pictures.contact import block_poses, drift_at
 from solver.results.runs import Run
-from solver.rigid.links import BROKEN, FLOWED, SLACK, TAUT
 from solver.scene import LinkSpec
 from solver.scene.laws import GROUND
-from solver.scene.places import link_ends
-from solver.types import Array, Mask
+from solver.scene.places import own_ends
+from solver.types import Array
 
 LOOKS = {
     SLACK: ("link, slack", "#8a8a8a"),
@@ -53,31 +52,27 @@ class LinkFrames:
 
 def links_of(run: Run, times: Array) -> list[LinkFrames]:
     """All links of a run at some times, s."""
-    drift = platform_drift(run, times)
-    return [link_frames(run, link, drift, times) for link in run.scene.links]
+    return [link_frames(run, link, times) for link in run.scene.links]
 
 
-def link_frames(run: Run, link: LinkSpec, drift: Array, times: Array) -> LinkFrames:
-    """A link at times, s; `drift` is the displacement of the foundation, m, (n, d)."""
-    placed, history = run.scene.poses(), run.history
-    ends = []
-    for name, start in zip(link.between, link_ends(link, placed), strict=True):
+def link_frames(run: Run, link: LinkSpec, times: Array) -> LinkFrames:
+    """A link at some times, s."""
+    history, ends = run.history, []
+    for name, own in zip(link.between, own_ends(link, run.scene.poses()), strict=True):
         if name == GROUND:
-            ends.append(start + drift)
+            ends.append(own + drift_at(run, times))
             continue
         block = next(each for each in run.scene.blocks if each.name == name)
-        first = boxes(history, block)
-        arm = first.frames[0].T @ (start - first.centres[0])
         centres, frames = block_poses(run, block, times)
-        ends.append(centres + frames @ arm)
+        ends.append(centres + frames @ (own - block.shape.middle(len(own))))
     before = np.searchsorted(history["time_s"], times, side="right") - 1
     states = history[f"{link.name}.state"][np.maximum(before, 0)]
     return LinkFrames(np.stack(ends, axis=1), states.astype(np.int64))
 
 
-def states_in(links: Iterable[LinkFrames], frames: Mask | slice = slice(None)) -> list[int]:
-    """The states in which some links are in some frames, in their order."""
-    return sorted({int(state) for link in links for state in link.states[frames]})
+def states_in(links: Iterable[LinkFrames]) -> list[int]:
+    """The states in which some links are, in their order."""
+    return sorted({int(state) for link in links for state in link.states})
 
 
 def legend_handles(states: Sequence[int]) -> list[Any]:

@@ -18,6 +18,7 @@ from solver.errors import EnvironmentTrouble
 from solver.pictures.links import LOOKS, LinkFrames
 from solver.pictures.meshes import EDGE_NORMALS, EDGES, SHARP
 from solver.pictures.style import FLOOR, STRESS
+from solver.scene import Scene
 from solver.scene.time import rounded_down
 from solver.types import Array
 
@@ -255,6 +256,11 @@ class Renderer:
         self._plotter.close()
 
 
+def arrow_of_weight(scene: Scene) -> float:
+    """Length of an arrow that stands for the largest weight of a block, m."""
+    return 0.3 * max(block.shape.height for block in scene.blocks)
+
+
 def arrow(start: Array, direction: Array, length: float, *, unit: float) -> Any:
     """An arrow, as `pyvista.PolyData`, m.
 
@@ -277,18 +283,12 @@ def arrow(start: Array, direction: Array, length: float, *, unit: float) -> Any:
 
 
 def bars(links: Sequence[LinkFrames], frame: int, *, unit: float) -> list[tuple[Any, str]]:
-    """What stands for links in a frame, `pyvista.PolyData` with their colours, m.
-
-    In the plane they are before the bodies.
-    """
+    """What stands for links in a frame, `pyvista.PolyData` with their colours, m."""
     found = []
     for link in links:
         for line in link.lines(frame, unit):
-            first, second = in_space(line[0]), in_space(line[1])
-            if line.shape[1] == 2:
-                first[2] = second[2] = 0.01
             hue = LOOKS[int(link.states[frame])][1]
-            found.append((bar(first, second, unit=unit), hue))
+            found.append((bar(in_front(line[0]), in_front(line[1]), unit=unit), hue))
     return found
 
 
@@ -305,6 +305,13 @@ def bar(first: Array, second: Array, *, unit: float) -> Any:
 def in_space(vector: Array) -> Array:
     """A vector of the plane or of space in space."""
     return np.pad(np.asarray(vector, dtype=float), (0, 3 - len(vector)))
+
+
+def in_front(place: Array) -> Array:
+    """A place in space, m; one of the plane a little before the bodies there."""
+    found = in_space(place)
+    found[2] += 0.01 * (len(place) == 2)
+    return found
 
 
 def _hatch(level: float, spacing: float, count: int) -> Any:

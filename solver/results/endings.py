@@ -21,7 +21,16 @@ from geometry.top import Top, top_of
 from solver.excitation.motion import GroundMotion
 from solver.history.columns import Rows
 from solver.history.history import scene_columns
-from solver.results.motion import Columns, boxes, centres, extents, tipping, top_axes, total_lean
+from solver.results.motion import (
+    Columns,
+    boxes,
+    centres,
+    extents,
+    platform_drift,
+    tipping,
+    top_axes,
+    total_lean,
+)
 from solver.scene import BlockSpec, Scene
 from solver.types import Array, Indices, Mask
 
@@ -223,9 +232,6 @@ def _foundation(scene: Scene, history: Columns) -> _PlacedTop:
     assert scene.foundation.top is not None
     dimension = scene.dimension
     half = np.array(scene.foundation.top[: dimension - 1]) / 2
-    origins = np.zeros((len(history["time_s"]), dimension))
-    for axis, way in enumerate(("", "_second")[: dimension - 1]):
-        if f"platform.drift{way}_m" in history:
-            origins[:, axis] = history[f"platform.drift{way}_m"]
+    origins = platform_drift(history, dimension)
     frames = np.broadcast_to(np.eye(dimension), (len(origins), dimension, dimension))
     return _PlacedTop(Top.rectangle(half, 0.0), origins, frames)

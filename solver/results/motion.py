@@ -16,7 +16,7 @@ import numpy as np
 from geometry.block import Block
 from geometry.boxes import Boxes
 from geometry.outline import limits_towards, rolls
-from geometry.top import top_of
+from geometry.top import top_over_centre
 from solver.history.block_columns import has_lost_carrier
 from solver.history.history import History
 from solver.results.rocking import SMALLEST_SWING, no_return
@@ -235,7 +235,7 @@ def lost_carrier(history: Columns, block: BlockSpec, carrier: BlockSpec) -> Mask
     """In which rows a block has lost the one that carried it, by `has_lost_carrier`."""
     up = top_axes(history, carrier)[:, :, -1]
     shift = centres(history, block.name) - centres(history, carrier.name)
-    top = top_of(carrier.shape, up.shape[1]).level - carrier.shape.centre_height
+    top = top_over_centre(carrier.shape, up.shape[1])
     return np.asarray(has_lost_carrier(up[:, -1], np.sum(shift * up, axis=1), top))
 
 
@@ -244,6 +244,15 @@ def top_axes(history: Columns, carrier: BlockSpec) -> Array:
     frames = boxes(history, carrier).frames
     d = frames.shape[1]
     return np.broadcast_to(np.eye(d), frames.shape) if rolls(carrier.shape, d) else frames
+
+
+def platform_drift(history: Columns, dimension: int) -> Array:
+    """Displacement of the foundation, (rows, d), m; 0 where it is the ground."""
+    drift = np.zeros((len(history["time_s"]), dimension))
+    for axis, way in enumerate(("", "_second")[: dimension - 1]):
+        if f"platform.drift{way}_m" in history:
+            drift[:, axis] = history[f"platform.drift{way}_m"]
+    return drift
 
 
 def total_lean(history: Columns, name: str) -> Array:
@@ -286,21 +295,20 @@ def tipping(history: Columns, block: BlockSpec) -> Tipping:
     if block.shape.solid is None:
         return Tipping(np.full_like(alpha, math.inf), alpha, no_return(alpha))
     found: Array = np.full((3, len(alpha)), math.inf)
+    ways: dict[float, tuple[float, ...]]
     rows = np.flatnonzero(lean > NEAR_BALANCE * alpha)
-    if not is_spatial(history, block.name):
-        ways = np.sign(history[f"{block.name}.angle_rad"][rows])
-        for way in (-1.0, 1.0):
-            own = rows[ways == way]
-            if len(own):
-                found[:, own] = np.array(limits_towards(block.shape, (way,)))[:, None]
-        return Tipping(*found)
-    # It leans away from the upright direction in its own frame.
-    towards = -boxes(history, block).frames[rows, 2, :2]
-    step = 2 * math.pi / DIRECTIONS
-    ways = np.round(np.arctan2(towards[:, 1], towards[:, 0]) / step) % DIRECTIONS
-    for way in np.unique(ways):
-        along = math.cos(way * step), math.sin(way * step)
-        found[:, rows[ways == way]] = np.array(limits_towards(block.shape, along))[:, None]
+    if is_spatial(history, block.name):
+        # It leans away from the upright direction in its own frame.
+        towards = -boxes(history, block).frames[rows, 2, :2]
+        step = 2 * math.pi / DIRECTIONS
+        angles = np.arctan2(towards[:, 1], towards[:, 0])
+        keys = np.round(angles / step) % DIRECTIONS
+        ways = {key: (math.cos(key * step), math.sin(key * step)) for key in np.unique(keys)}
+    else:
+        keys = np.sign(history[f"{block.name}.angle_rad"][rows])
+        ways = {key: (float(key),) for key in np.unique(keys)}
+    for key, way in ways.items():
+        found[:, rows[keys == key]] = np.array(limits_towards(block.shape, way))[:, None]
     return Tipping(*found)
 
 
@@ -479,5 +487,5 @@ def _is_below(history: History, centre: Array, carrier: BlockSpec) -> bool:
     """True if a place is below the top of a block at the end, or below its centre."""
     above = centre - centres(history, carrier.name)[-1]
     normal = top_axes(history, carrier)[-1, :, -1]
-    top = top_of(carrier.shape, len(centre)).level - carrier.shape.centre_height
+    top = top_over_centre(carrier.shape, len(centre))
     return bool(above @ normal < top or above[-1] < 0)

@@ -1,22 +1,18 @@
-"""Links: their laws, as the compiled world of rigid bodies has them, columns, and events."""
+"""Links as the compiled world of rigid bodies has them."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Mapping
 
 import numpy as np
 
 from geometry.arrangement import Pose
-from solver.history.events import Event
-from solver.kernels.world import Link, LinkLaw, LinkStates
+from solver.kernels.world import Link
+from solver.law.links import laws_of, sense_of
 from solver.scene.link import LinkSpec
-from solver.scene.places import link_ends, second_is_above
+from solver.scene.places import link_ends
 from solver.types import Array
-
-SLACK, TAUT, FLOWED, BROKEN = range(4)
-"""States of a link, as the history has them."""
 
 
 def link_of(
@@ -54,98 +50,3 @@ def link_of(
         laws=laws_of(spec, len(between)),
         strength=math.inf if spec.strength is None else spec.strength,
     )
-
-
-def sense_of(spec: LinkSpec, placed: Mapping[str, Pose]) -> float:
-    """Factor on the vertical axis that makes extensions positive where the two bodies part."""
-    return 1.0 if second_is_above(spec, placed) else -1.0
-
-
-def laws_of(spec: LinkSpec, d: int) -> list[LinkLaw]:
-    """The law along the link, or those along its axes, the vertical one last."""
-    bound = math.inf if spec.yields is None else spec.yields
-    gap = spec.gap or 0.0
-    along = LinkLaw(
-        stiffness=spec.stiffness,
-        damping=spec.damping,
-        gap=gap if spec.preload is None else -spec.preload / spec.stiffness,
-        compression=not spec.pulls,
-        yields=bound,
-    )
-    if spec.is_axial:
-        return [along]
-    across = LinkLaw(
-        stiffness=spec.shear_stiffness,
-        damping=spec.damping,
-        gap=spec.shear_gap or 0.0,
-        yields=bound,
-    )
-    return [*[across] * (d - 1), along]
-
-
-class LinkRows:
-    """Writer of the columns of links, and of what happens to them."""
-
-    def __init__(self, specs: Sequence[LinkSpec], columns: Sequence[str], d: int):
-        """Find their columns in rows of a history in d dimensions."""
-        self._specs, self._d = specs, d
-        self._laws = [laws_of(spec, d) for spec in specs]
-        place = {name: number for number, name in enumerate(columns)}
-        shear = ("shear_force_N", "shear_force_second_N")[: d - 1]
-        self._at = [
-            [place[f"{spec.name}.{name}"] for name in ("extension_m", "state", "force_N")]
-            + [place[f"{spec.name}.{name}"] for name in shear if not spec.is_axial]
-            for spec in specs
-        ]
-
-    def write(self, rows: Array, numbers: Array) -> None:
-        """Fill in the columns by the numbers of all links at the ends of steps."""
-        states = LinkStates.split(self._d, numbers)
-        for number, (spec, at) in enumerate(zip(self._specs, self._at, strict=True)):
-            own = 0 if spec.is_axial else self._d - 1
-            rows[:, at[0]] = states.extension[:, number, own]
-            rows[:, at[1]] = self._state(states, number)
-            rows[:, at[2]] = states.force[:, number, own]
-            for axis, place in enumerate(at[3:]):
-                rows[:, place] = states.force[:, number, axis]
-
-    def _state(self, states: LinkStates, number: int) -> Array:
-        """The states of a link; axes along which it is never slack count where it has no others."""
-        laws = self._laws[number]
-        slackens = [i for i, law in enumerate(laws) if law.gap > 0 or not law.compression]
-        taut = np.full(len(states.broken), not slackens)
-        for i in slackens:
-            elastic = states.extension[:, number, i] - states.plastic[:, number, i]
-            taut |= elastic > laws[i].gap
-            if laws[i].compression:
-                taut |= elastic < -laws[i].gap
-        found = np.where(taut, TAUT, SLACK)
-        found = np.where(np.any(states.plastic[:, number] != 0, axis=1), FLOWED, found)
-        return np.where(states.broken[:, number], BROKEN, found)
-
-    def events(self, numbers: Array, times: Array) -> Iterator[Event]:
-        """Links that break or flow for the first time after the first step, whose ends have times.
-
-        Args:
-            numbers: Of all links at the ends of steps that were taken, and of the one before them.
-            times: At the ends of all but that, s.
-        """
-        states = LinkStates.split(self._d, numbers)
-        flowed = np.any(states.plastic != 0, axis=2)
-        for number, spec in enumerate(self._specs):
-            about: dict[str, Any] = {
-                "block": spec.joined[0],
-                "meets": spec.joined[1],
-                "where": spec.name,
-            }
-            for row in np.flatnonzero(np.diff(flowed[:, number])):
-                force = math.nan if spec.yields is None else spec.yields
-                yield Event(time_s=float(times[row]), kind="yield", **about, force_N=force)
-            for row in np.flatnonzero(np.diff(states.broken[:, number])):
-                yield Event(
-                    time_s=float(states.broken_at[row + 1, number]),
-                    kind="break",
-                    **about,
-                    energy_lost_J=float(states.lost[row + 1, number]),
-                    force_N=math.nan if spec.strength is None else spec.strength,
-                )

@@ -15,12 +15,13 @@ import numpy as np
 from geometry.arrangement import Pose, level
 from geometry.block import FACES, Block
 from geometry.outline import rolls
-from geometry.top import top_of
+from geometry.top import top_over_centre
+from solver.excitation.forces import arm_of, factors, whole_force
 from solver.history.columns import check_filled, columns, positions, row_layout
 from solver.history.events import Event, Meeting
+from solver.history.link_columns import LinkRows
 from solver.kernels.world import Body, Mobility, Steps, World
-from solver.rigid.forces import arm_of, factors, whole_force
-from solver.rigid.links import LinkRows, link_of
+from solver.rigid.links import link_of
 from solver.rigid.rows import (
     BlockRows,
     Foot,
@@ -202,7 +203,7 @@ class RigidSystem:
         self._tells_pairs = tells_pairs
         bottoms = np.array([_bottom_of(block) for block in blocks])
         tops = np.array([b.shape.height - b.shape.centre_height for b in blocks])
-        holds = np.array([top_of(b.shape, d).level - b.shape.centre_height for b in blocks])
+        holds = np.array([top_over_centre(block.shape, d) for block in blocks])
         level_tops = [rolls(block.shape, d) for block in blocks]
         standing = [each[0] for each in carriers]
         feet = _feet_of(blocks, self.columns)

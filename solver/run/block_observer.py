@@ -10,9 +10,9 @@ import numpy as np
 
 from geometry.foundation import level_frame
 from geometry.outline import rolls
-from geometry.top import top_of
+from geometry.top import top_over_centre
 from solver.bodies.kinematics import RigidMotion
-from solver.build.assembly import BlockBody
+from solver.build.block_body import BlockBody
 from solver.contact.body_points import Key, NitschePoints, SurfaceState
 from solver.contact.carriers import Face
 from solver.contact.kinematics import in_space
@@ -231,7 +231,7 @@ class BlockObserver:
         centre = self._member.body.centre + own.moved
         shift = centre - self._carrier.body.centre - below.moved
         up = np.eye(len(shift))[-1] if rolls(carrier.shape, len(shift)) else below.rotation[:, -1]
-        top = top_of(carrier.shape, len(centre)).level - carrier.shape.centre_height
+        top = top_over_centre(carrier.shape, len(centre))
         return has_lost_carrier(up[-1], float(shift @ up), top)
 
     def _penetration(self, state: State, number: int) -> float:

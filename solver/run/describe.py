@@ -10,6 +10,7 @@ from geometry.block import SIDES, Block
 from geometry.solid import chord_error
 from solver.bodies.memory import solver_in_words
 from solver.errors import EnvironmentTrouble
+from solver.excitation.forces import whole_force
 from solver.excitation.kinds import BaseMotion
 from solver.excitation.motion import GroundMotion, read_ground
 from solver.excitation.pulses import Pulse
@@ -24,7 +25,6 @@ from solver.excitation.spectrum import (
 from solver.reference.housner import housner_restitution, restitution_on_platform
 from solver.reference.initiation import expected_mode, has_expected_mode
 from solver.results.cautions import cautions_of_scene, percent
-from solver.rigid.forces import whole_force
 from solver.scene import BlockSpec, Scene
 from solver.scene.damping import DampingSpec
 from solver.scene.motion import G_UNIT

@@ -11,7 +11,8 @@ import numpy as np
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.reduced_body import ReducedBody
 from solver.bodies.rigid_body import Oscillator
-from solver.build.assembly import Assembly, BlockBody
+from solver.build.assembly import Assembly
+from solver.build.block_body import BlockBody
 from solver.build.foundation import FoundationBody
 from solver.history.columns import (
     DISSIPATED_ENERGIES,
@@ -21,8 +22,8 @@ from solver.history.columns import (
     row_layout,
 )
 from solver.history.events import Event
+from solver.history.link_columns import LinkRows
 from solver.parallel import global_sum
-from solver.rigid.links import LinkRows
 from solver.run.block_observer import BlockObserver
 from solver.run.structure_observer import StructureObserver, write_base_shear
 from solver.scene.link import LinkSpec
@@ -168,8 +169,7 @@ class Observer:
     def _link_numbers(self, state: State) -> Array:
         """All links in a state, as `LinkStates` takes them apart."""
         attached = self._stepper.attached
-        assert attached is not None and attached.links is not None
-        assert state.body_links is not None
+        assert attached is not None and state.body_links is not None
         return attached.links.numbers(state.body_links)
 
     def link_events(self, before: State, after: State) -> tuple[Event, ...]:

@@ -81,6 +81,7 @@ from solver.scene.shape import Given, ShapeSpec, Sizes, block_of, own_keys, shif
 
 if TYPE_CHECKING:
     from geometry.cells import Cells as MeshCells
+    from geometry.solid import Solid
 
 DensityLaw: TypeAlias = LinearDensity | PartedDensity | PiecewiseDensity | FootedDensity
 
@@ -348,7 +349,7 @@ class BlockSpec(Checked):
         if self.given_shape is None:
             *across, height = self._sizes(dimension)
             return [*(-side / 2 for side in across), 0.0], [*(side / 2 for side in across), height]
-        solid = solid_of(self.given_shape, self._shape_sizes, dimension)
+        solid = self._solid(dimension)
         return list(map(float, solid.low)), list(map(float, solid.high))
 
     def _linear_density(self, centre: tuple[float, ...]) -> LinearDensity:
@@ -401,7 +402,7 @@ class BlockSpec(Checked):
         """Sides of the box around a shape, or of the box above its feet, m."""
         if self.given_shape is None:
             return self._sizes(dimension)
-        solid = solid_of(self.given_shape, self._shape_sizes, dimension)
+        solid = self._solid(dimension)
         return tuple(float(side) for side in solid.high - solid.low)
 
     @property
@@ -420,7 +421,7 @@ class BlockSpec(Checked):
         if self.given_shape is None:
             return {}
         self.given_shape.in_dimension(dimension)
-        solid = solid_of(self.given_shape, self._shape_sizes, dimension)
+        solid = self._solid(dimension)
         if self.model == "elastic" and solid.surface is not None and self.given_shape.union:
             allowed = f"one of these alone, a union of other shapes, or {RIGID_MODEL}"
             raise SceneError("shape", "a union with a file or a hollow profile", allowed)
@@ -440,6 +441,11 @@ class BlockSpec(Checked):
         if self.feet is None:
             return ()
         return single_feet(self.feet, Box(self.width, self.height, self.thickness), dimension)
+
+    def _solid(self, dimension: Dimension) -> Solid:
+        """Its shape, which is given."""
+        assert self.given_shape is not None
+        return solid_of(self.given_shape, self._shape_sizes, dimension)
 
     def shift(self, dimension: Dimension) -> tuple[float, ...]:
         """By what its shape is moved from its file to its own frame, m."""
@@ -486,9 +492,14 @@ class BlockSpec(Checked):
         return self.name not in other.carriers and other.name not in self.carriers
 
     @property
+    def _dimension(self) -> Dimension:
+        """Of its scene."""
+        return 2 if len(self.velocity) == 2 else 3
+
+    @property
     def shape(self) -> Block:
         """The block as a geometric body with its mass."""
-        dimension: Dimension = 2 if len(self.velocity) == 2 else 3
+        dimension = self._dimension
         box, feet = self._body(dimension), self._feet_in(dimension)
         if self.container is not None:  # whose height is that over its castings
             return block_between_feet(box, feet, dimension)
@@ -557,7 +568,7 @@ class BlockSpec(Checked):
         """The density of the box over its mean."""
         if self.parts:
             assert self.density is not None
-            mean = self._body(2 if len(self.velocity) == 2 else 3).density
+            mean = self._body(self._dimension).density
             parts = (spec.part._replace(density=spec.density / mean) for spec in self.parts)
             return PartedDensity(rest=self.density / mean, parts=tuple(parts))
         if self.centre_of_mass is None or self.inertia is not None:
@@ -663,7 +674,7 @@ class BlockSpec(Checked):
         """Number of the nodes of its bottom, if it is elastic; of a shape about that."""
         if self.is_box:
             return math.prod(self.degree * count + 1 for count in self.cells[:-1])
-        flat = len(self.velocity) - 1
+        flat = self._dimension - 1
         across = self.thickness if flat == 1 else 1.0
         return round(self.shape.bottom_area / across * (self.degree / self.cell_edge) ** flat) + 1
 

@@ -35,7 +35,7 @@ class FootSpec(Checked):
     @property
     def sides(self) -> tuple[float, float]:
         """Its widths along x and y, m."""
-        return self.size if isinstance(self.size, tuple) else (self.size, self.size)
+        return _sides_of(self.size)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,6 +51,11 @@ class EvenFeetSpec(Checked):
     top: Length | None = None
     """Of the tops of four more above the box, which carry what stands on the block, m. Default:
     none."""
+
+
+def _sides_of(size: Sides) -> tuple[float, float]:
+    """Widths along x and y, m."""
+    return size if isinstance(size, tuple) else (size, size)
 
 
 class Box(NamedTuple):
@@ -75,7 +80,7 @@ def single_feet(
     sides = (box.width, box.thickness)[: dimension - 1]
     if isinstance(feet, EvenFeetSpec):
         _refuse_pair(feet.size, "feet.size", dimension)
-        size = feet.size if isinstance(feet.size, tuple) else (feet.size, feet.size)
+        size = _sides_of(feet.size)
         reach = [side / 2 - feet.inset - own / 2 for side, own in zip(sides, size, strict=False)]
         if any(far < own / 2 for far, own in zip(reach, size, strict=False)):
             wide = " x ".join(f"{own:g}" for own in dict.fromkeys(size))

@@ -180,9 +180,7 @@ def _least_density(block: BlockSpec, dimension: Dimension) -> float:
     found = block.relative_density()
     if found is None:
         return 1.0
-    if isinstance(found, FootedDensity):
-        return found.feet
-    if isinstance(found, PiecewiseDensity):
+    if isinstance(found, FootedDensity | PiecewiseDensity):
         return found.least
     if isinstance(found, LinearDensity):
         cells = corner_cell(block, dimension)

@@ -12,9 +12,9 @@ from geometry.arrangement import (
     initial_position_in_space,
     level,
     middle_of,
+    pose_of_top,
     rotation_in_plane,
     rotation_in_space,
-    top_of,
 )
 from geometry.boxes import Boxes, overlap_depth
 from geometry.convex import Convex
@@ -66,7 +66,7 @@ def poses(
             own = _on_level(spec, dimension, tilt)
             carriers = [(known[name], placed[name]) for name in spec.carriers if name in known]
             pose = below.after(_lowered(spec, own, below, carriers, dimension))
-        placed[spec.name], tops[spec.name] = pose, top_of(pose, spec.shape.height)
+        placed[spec.name], tops[spec.name] = pose, pose_of_top(pose, spec.shape.height)
     return placed
 
 
@@ -177,7 +177,7 @@ def refuse_places(
         Statement: Names the blocks, and levels or depth.
     """
     placed = poses(blocks, dimension)
-    tops = {spec.name: top_of(placed[spec.name], spec.shape.height) for spec in blocks}
+    tops = {spec.name: pose_of_top(placed[spec.name], spec.shape.height) for spec in blocks}
     tops["foundation"] = level(np.zeros(dimension))
     halves = {spec.name: np.array(spec.shape.half_lengths(dimension))[:-1] for spec in blocks}
     halves["foundation"] = np.full(dimension - 1, np.inf)
@@ -308,12 +308,12 @@ def link_ends(link: LinkSpec, placed: Mapping[str, Pose]) -> tuple[Array, Array]
 
 def own_ends(link: LinkSpec, placed: Mapping[str, Pose]) -> tuple[Array, Array]:
     """The ends of a link in the own frames of its bodies, (d,), m; `placed` as in `link_ends`."""
+    first = np.array(link.at)
+    if link.to is not None:
+        return first, np.array(link.to)
     here = {GROUND: level(np.zeros(len(link.at)))} | dict(placed)
-    first, second = (
-        here[name].rotation.T @ (end - here[name].place) + here[name].about
-        for name, end in zip(link.between, link_ends(link, placed), strict=True)
-    )
-    return first, second
+    one, other = (here[name] for name in link.between)
+    return first, (one(first[None])[0] - other.place) @ other.rotation + other.about
 
 
 def second_is_above(link: LinkSpec, placed: Mapping[str, Pose]) -> bool:
@@ -369,15 +369,7 @@ def _is_in(spec: BlockSpec, place: Array) -> bool:
     """True if a place of its own frame, (d,), m, is in a block or on its surface."""
     solid = spec.shape.solid or hull(spec.shape.corners(len(place)))
     reach = OUTSIDE * spec.shape.half_diagonal
-    return any(
-        np.all(
-            [
-                (place - part.corners[face[0]]) @ normal <= reach
-                for face, normal in zip(part.faces, part.normals, strict=True)
-            ]
-        )
-        for part in solid.parts
-    )
+    return any(part.beyond(place[None])[0] <= reach for part in solid.parts)
 
 
 def refuse_links(

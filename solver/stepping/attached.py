@@ -63,9 +63,7 @@ class AppliedForce(NamedTuple):
 class Attached:
     """All links and applied forces of a scene, and the places at which they act."""
 
-    def __init__(
-        self, attachments: Attachments, links: BodyLinks | None, forces: Sequence[AppliedForce]
-    ):
+    def __init__(self, attachments: Attachments, links: BodyLinks, forces: Sequence[AppliedForce]):
         """Take them."""
         self.attachments, self.links, self.forces = attachments, links, tuple(forces)
 
@@ -83,12 +81,12 @@ class Pull(NamedTuple):
     Attributes:
         places: (n, d), m.
         force: On them, (n, d), N.
-        links: The links' own part; None: there are none.
+        links: The links' own part.
     """
 
     places: Array
     force: Array
-    links: LinkForces | None
+    links: LinkForces
 
 
 class PullEnd(NamedTuple):
@@ -98,7 +96,7 @@ class PullEnd(NamedTuple):
         work: Of applied forces, J.
         lost: In links, by dashpots, flow and fracture, J.
         stored: In links afterwards, J.
-        memory: Of links; None: there are none.
+        memory: Of links; None: of a scene without links and forces.
     """
 
     work: float
@@ -126,14 +124,11 @@ class StepAttached:
         self.attached, self.applied, self.memory = attached, applied, memory
         self._start, self._dt = start, dt
         self._before = attached.attachments.values(start)
-        links = attached.links
-        self.breaks: Mask = np.zeros(0 if links is None else links.count, dtype=np.bool_)
+        self.breaks: Mask = np.zeros(attached.links.count, dtype=np.bool_)
 
     def at(self, u: Array) -> Pull:
         """What they do where a step ends at u."""
         links, now = self.attached.links, self.attached.attachments.values(u)
-        if links is None:
-            return Pull(now, self.applied, None)
         before = now if np.isinf(self._dt) else self._before
         found = self.law(links.measure(now))._replace(rows=links.rows(before, now))
         force = self.applied - np.tensordot(found.force, found.rows, 1)
@@ -142,7 +137,6 @@ class StepAttached:
     def law(self, extension: Array) -> LinkForces:
         """Forces of links at extensions at the end of the step, without rows."""
         links = self.attached.links
-        assert links is not None
         if self.memory is None:
             return links.standing(extension)
         return links.in_step(self.memory, extension, self._dt, self.breaks)
@@ -160,29 +154,25 @@ class StepAttached:
 
     def round_off(self, bodies: int, weight: float) -> list[float]:
         """Force on each of so many bodies that round-off of places makes in links, N."""
-        found, links = [0.0] * bodies, self.attached.links
-        if links is None:
-            return found
-        eps, stiffness = float(np.finfo(float).eps), links.stiffness(len(self._before))
+        stiffness = self.attached.links.stiffness(len(self._before))
+        eps, found = float(np.finfo(float).eps), [0.0] * bodies
         each = weight * eps * stiffness * np.linalg.norm(self._before, axis=1)
         for number, _, places, _ in self.attached.attachments.members:
             found[number] = float(np.linalg.norm(each[places]))
         return found
 
-    def breaks_at(self, reached: Pull | None) -> bool:
+    def breaks_at(self, reached: Pull) -> bool:
         """Let links that are loaded by more than their strength break; True if any does."""
-        links = self.attached.links
-        if links is None or reached is None or reached.links is None or self.memory is None:
-            return False
-        more = links.overloaded(self.memory, reached.links.extension) & ~self.breaks
+        assert self.memory is not None
+        extension = reached.links.extension
+        more = self.attached.links.overloaded(self.memory, extension) & ~self.breaks
         self.breaks = self.breaks | more
         return bool(more.any())
 
     def end(self, reached: Pull, time: float) -> PullEnd:
         """What they leave after a step from a time, s, that ended so."""
-        work = float((self.applied * (reached.places - self._before)).sum())
+        assert self.memory is not None
         links = self.attached.links
-        if links is None or reached.links is None or self.memory is None:
-            return PullEnd(work, 0.0, 0.0, None)
+        work = float((self.applied * (reached.places - self._before)).sum())
         memory, lost = links.after(self.memory, reached.links, time, self._dt, self.breaks)
         return PullEnd(work, lost, links.energy(memory), memory)

@@ -87,7 +87,7 @@ class BodyLinks:
         """Number the directions."""
         self.links, self.dimension = tuple(links), dimension
         self.count = len(links)
-        counts = [len(link.laws) for link in links]
+        counts = np.array([len(link.laws) for link in links], dtype=np.int64)
         self.of: Indices = np.repeat(np.arange(self.count), counts)
         """The link of each direction."""
         self._first = np.cumsum([0, *counts])
@@ -97,7 +97,7 @@ class BodyLinks:
                 for link in links
                 for law in link.laws
             ]
-        )
+        ).reshape(-1, 5)
         self._strength = np.array([link.strength for link in links])
         self._length = np.zeros(len(self.of))
         for own, link in zip(self._own, links, strict=True):
@@ -105,10 +105,8 @@ class BodyLinks:
                 self._length[own] = link.length
         self._preload = np.array([link.preload for link in links])[self.of]
         self._waits = np.array([link.length is None for link in links])[self.of]
-        self._slots = np.concatenate(
-            [dimension * k + np.arange(count) for k, count in enumerate(counts)]
-        )
-        """Place of each direction among `dimension` of each link."""
+        self._axis = np.arange(len(self.of)) - self._first[self.of]
+        """Number of each direction among those of its link."""
 
     @property
     def _own(self) -> list[slice]:
@@ -209,9 +207,7 @@ class BodyLinks:
 
     def _load(self, own: slice, elastic: Array) -> float:
         """Size of the spring force of a link at elastic extensions of its directions, N."""
-        force, energy, flow = np.empty((3, len(elastic)))
-        meshed.link_springs(self._laws[own], elastic, force, energy, flow)
-        return float(np.linalg.norm(force))
+        return float(np.linalg.norm(self._springs(elastic, own)[0]))
 
     def overloaded(self, memory: LinkMemory, end: Array) -> Mask:
         """Links that are loaded by more than their strength at extensions, (links,)."""
@@ -232,7 +228,7 @@ class BodyLinks:
             own, share = self._own[number], reached.share[number]
             way = share * (reached.extension - memory.extension)[own]
             elastic = (memory.extension - memory.plastic)[own] + way
-            _, energy, _ = self._springs_of(own, elastic)
+            _, energy, _ = self._springs(elastic, own)
             at[number], lost[number] = time + share * dt, energy.sum()
             plastic[own] = memory.plastic[own]
         after = LinkMemory(
@@ -245,14 +241,13 @@ class BodyLinks:
         _, energy, _ = self._springs(memory.extension - memory.plastic)
         return float(energy[~memory.broken[self.of]].sum())
 
-    def _springs(self, elastic: Array) -> tuple[Array, Array, Array]:
-        """Forces (N) and energies (J) of springs at elastic extensions, and their flow, m."""
-        return self._springs_of(slice(None), elastic)
+    def _springs(self, elastic: Array, own: slice = slice(None)) -> tuple[Array, Array, Array]:
+        """Forces (N) and energies (J) of springs at elastic extensions, and their flow, m.
 
-    def _springs_of(self, own: slice, elastic: Array) -> tuple[Array, Array, Array]:
-        """The same of some directions."""
+        Of all directions, or of some.
+        """
         force, energy, flow = np.empty((3, len(elastic)))
-        meshed.link_springs(self._laws[own], np.ascontiguousarray(elastic), force, energy, flow)
+        meshed.link_springs(self._laws[own], elastic, force, energy, flow)
         return force, energy, flow
 
     def numbers(self, memory: LinkMemory) -> Array:
@@ -260,9 +255,7 @@ class BodyLinks:
         d = self.dimension
         found = np.zeros((self.count, 3 * d + 3))
         for k, values in enumerate((memory.extension, memory.force, memory.plastic)):
-            part = np.zeros(self.count * d)
-            part[self._slots] = values
-            found[:, k * d : (k + 1) * d] = part.reshape(self.count, d)
+            found[self.of, k * d + self._axis] = values
         found[:, 3 * d] = memory.broken
         found[:, 3 * d + 1], found[:, 3 * d + 2] = memory.broken_at, memory.lost
         return found

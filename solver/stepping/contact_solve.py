@@ -44,8 +44,8 @@ from solver.stepping.delassus import (
 from solver.stepping.link_correction import (
     CorrectedBodies,
     LinkCorrection,
-    Places,
-    places_of,
+    PlaceResponse,
+    place_response,
 )
 from solver.stepping.nonlinear import NonlinearSolver
 from solver.stepping.point_table import PointTable, copied, joined
@@ -125,15 +125,15 @@ class StepProblem:
         self.inertia: Array = self.held
         self._residual: Array = self.held
         self._attached = balance.attached
-        self._pull: Pull | None = None
+        self.pull: Pull | None = None
         """What links and forces do at the iterate; None without any."""
 
     @property
     def forces(self) -> float:
         """Largest norm of the contact forces so far, or of those of links, N."""
-        if self._pull is None or self._pull.links is None:
+        if self.pull is None:
             return self.contact.largest
-        links = self._weight * float(np.linalg.norm(self._pull.links.force))
+        links = self._weight * float(np.linalg.norm(self.pull.links.force))
         return max(self.contact.largest, links)
 
     def residual(self, u: Array) -> Array:
@@ -146,7 +146,7 @@ class StepProblem:
             seen[number] = found = link.interface.evaluate_forces(before, at, force, on, weights)
             kinematics[number] = found[1]
         if self._attached is not None:
-            self._pull = pull = self._attached.at(u)
+            self.pull = pull = self._attached.at(u)
             self._attached.add_forces(residual, u, -self._weight * pull.force)
         fixed = self._system.fixed
         if len(fixed):
@@ -167,11 +167,6 @@ class StepProblem:
                 weights = ForceWeights.of(tangent.contact, tangent.interface, sign=-1.0)
                 found.append(ActivePair(number, link, before, force, weights))
         return found
-
-    @property
-    def pull(self) -> Pull | None:
-        """What links and forces do at the iterate; None without any."""
-        return self._pull
 
     def acceleration(self) -> float:
         """Largest acceleration that the resultant of that force gives a body, m/s2.
@@ -200,7 +195,7 @@ class StepProblem:
             self._configurations = [response.at(u[own], was) for response, own, was in self._bodies]
         y, self._beyond = self._positions(), self._points_beyond()
         free = self._free(residual, y)
-        if self._pull is None or self._pull.links is None:
+        if self._attached is None or not self._attached.attached.links.count:
             delassus, change = self._settled(y)
         else:
             free, delassus, change = self._settled_with_links(free, y)
@@ -228,7 +223,7 @@ class StepProblem:
         self, free: list[Any], y: Array
     ) -> tuple[list[Any], Delassus, Array | None]:
         """Let point forces and links obey their laws; the motions of bodies with links besides."""
-        assert self._attached is not None and self._pull is not None
+        assert self._attached is not None and self.pull is not None
         forces, force = self.contact.force, self.contact.force.copy()
 
         def read(number: int, motion: Any, moved: Array) -> None:
@@ -236,7 +231,7 @@ class StepProblem:
             response.read(at, motion, moved, self._frames, self._kinematics)
 
         bodies = CorrectedBodies(self._configurations, free, read, y.shape, self._weight)
-        links = LinkCorrection(self._attached, self._pull, self._tangents.places, bodies)
+        links = LinkCorrection(self._attached, self.pull, self._tangents.places, bodies)
         while True:
             operator, change = self._settled(links.positions(y), links.condensed)
             near = operator.near.number
@@ -476,12 +471,14 @@ class ContactSolve:
         self._tangents[weights] = found  # the one used last stands last
         return found
 
-    def _places(self, responses: Sequence[AnyResponse]) -> Sequence[Places]:
+    def _places(self, responses: Sequence[AnyResponse]) -> Sequence[PlaceResponse]:
         """How the places of links move, body by body; none where there are no links."""
-        if self._attached is None or self._attached.links is None:
+        if self._attached is None or not self._attached.links.count:
             return ()
         members = self._attached.attachments.members
-        return [places_of(responses[number], attachment) for number, _, _, attachment in members]
+        return [
+            place_response(responses[number], attachment) for number, _, _, attachment in members
+        ]
 
     def _make_room(self) -> None:
         """Drop the tangents used least recently, where one more would be too many; collective."""

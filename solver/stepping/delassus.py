@@ -78,7 +78,7 @@ class Tangents:
     Attributes:
         responses: Responses of all bodies.
         operator: The Delassus operator made last; None before the first.
-        places: How places of links move on the bodies that have any, `Places`.
+        places: How places of links move on the bodies that have any, `PlaceResponse`.
     """
 
     responses: Sequence[AnyResponse]

@@ -23,7 +23,7 @@ from solver.stepping.response import AnyResponse, DenseResponse, ElasticMotion, 
 from solver.types import Array, Indices
 
 
-class MeshedPlaces:
+class MeshedPlaceResponse:
     """How places of a meshed body move by forces on them, for one tangent."""
 
     def __init__(self, response: ElasticResponse, attachment: MeshedAttachment):
@@ -54,7 +54,7 @@ class MeshedPlaces:
         return ElasticMotion(nodes, motion.push + factor * other.push)
 
 
-class RigidPlaces:
+class RigidPlaceResponse:
     """How places of a rigid body move by forces on them, for one tangent."""
 
     def __init__(self, response: DenseResponse, attachment: RigidAttachment):
@@ -80,7 +80,7 @@ class RigidPlaces:
         return motion + factor * other
 
 
-class Places(Protocol):
+class PlaceResponse(Protocol):
     """How places of a body move by forces on them; motions and configurations are its own."""
 
     def motion(self, at: Any, force: Array) -> Any:
@@ -93,13 +93,13 @@ class Places(Protocol):
         """A motion and another one times a factor."""
 
 
-def places_of(response: AnyResponse, attachment: Attachment) -> Places:
+def place_response(response: AnyResponse, attachment: Attachment) -> PlaceResponse:
     """How places of a body move, by its response for a tangent; collective."""
     if isinstance(attachment, MeshedAttachment):
         assert isinstance(response, ElasticResponse)
-        return MeshedPlaces(response, attachment)
+        return MeshedPlaceResponse(response, attachment)
     assert isinstance(response, DenseResponse)
-    return RigidPlaces(response, attachment)
+    return RigidPlaceResponse(response, attachment)
 
 
 MOST_ROUNDS = 40
@@ -132,35 +132,34 @@ class CorrectedBodies(NamedTuple):
 
 
 class LinkCorrection:
-    """Links in one correction: how they answer, and their part in the compliance of contact.
-
-    Attributes:
-        weight: w_c.
-    """
+    """Links in one correction: how they answer, and their part in the compliance of contact."""
 
     def __init__(
-        self, step: StepAttached, pull: Pull, places: Sequence[Places], tangents: CorrectedBodies
+        self,
+        step: StepAttached,
+        pull: Pull,
+        places: Sequence[PlaceResponse],
+        corrected: CorrectedBodies,
     ):
         """Take links at the iterate, places of all bodies, and the free motions of these."""
-        assert pull.links is not None
         self._step, self._links, self._places = step, pull.links, places
         self._members = step.attached.attachments.members
-        self.weight = tangents.weight
+        self._weight = corrected.weight
         rows = pull.links.rows
         n = len(rows)
         self._motions: list[tuple[Indices, list[Any]]] = []
         """Of each body with places the directions that move it, and its motion by each of them."""
         self._compliance: Array = np.zeros((n, n))
         self._free: Array = np.zeros(n)
-        self._readings: Array = np.zeros((n, *tangents.shape))
+        self._readings: Array = np.zeros((n, *corrected.shape))
         for (number, _, own, _), place in zip(self._members, places, strict=True):
-            at, along = tangents.configurations[number], rows[:, own]
+            at, along = corrected.configurations[number], rows[:, own]
             directions = np.flatnonzero(np.any(along != 0, axis=(1, 2)))
             motions: list[Any] = [place.motion(at, along[k]) for k in directions]
             for k, motion in zip(directions, motions, strict=True):
                 self._compliance[:, k] += np.tensordot(along, place.read(at, motion), 2)
-                tangents.read(number, motion, self._readings[k])
-            self._free += np.tensordot(along, place.read(at, tangents.free[number]), 2)
+                corrected.read(number, motion, self._readings[k])
+            self._free += np.tensordot(along, place.read(at, corrected.free[number]), 2)
             self._motions.append((directions, motions))
         self._change: Array = np.zeros(n)
         self._trial, self._rounds = pull.links.extension, 0
@@ -173,23 +172,23 @@ class LinkCorrection:
         links, n = self._links, len(self._free)
         law = self._step.law(self._trial)
         self._bias = law.force - links.force - law.slope * (self._trial - links.extension)
-        matrix = np.eye(n) + self.weight * law.slope[:, None] * self._compliance
+        matrix = np.eye(n) + self._weight * law.slope[:, None] * self._compliance
         self._tangent = np.asarray(np.linalg.solve(matrix, np.diag(law.slope)), dtype=np.float64)
 
     def _answer(self, free: Array) -> Array:
         """Change of forces by the tangents, for extensions that change by `free` without it."""
-        soft = free - self.weight * self._compliance @ self._bias
+        soft = free - self._weight * self._compliance @ self._bias
         return np.asarray(self._bias + self._tangent @ soft)
 
     def positions(self, y: Array) -> Array:
         """Augmented positions of contact points where links answer the free motion, too."""
-        return y - self.weight * np.tensordot(self._answer(self._free), self._readings, 1)
+        return y - self._weight * np.tensordot(self._answer(self._free), self._readings, 1)
 
     def condensed(self, operator: Delassus) -> Delassus:
         """The compliance of contact with links that give way by their tangents."""
         near = self._readings[:, operator.near.number]
         part = np.tensordot(self._tangent, near, 1)
-        W = operator.W - self.weight**2 * np.tensordot(near, part, ([0], [0]))
+        W = operator.W - self._weight**2 * np.tensordot(near, part, ([0], [0]))
         return operator._replace(W=W)
 
     def follows(self, near: Indices, change: Array | None) -> bool:
@@ -197,9 +196,9 @@ class LinkCorrection:
         free = self._free
         if change is not None:
             pushed = np.tensordot(self._readings[:, near], change, 2)
-            free = free + self.weight * pushed
+            free = free + self._weight * pushed
         self._change = self._answer(free)
-        reached = self._links.extension + free - self.weight * self._compliance @ self._change
+        reached = self._links.extension + free - self._weight * self._compliance @ self._change
         force, found = self._step.law(reached).force, self._links.force + self._change
         self._rounds += 1
         if np.abs(force - found).max() <= SETTLED_LINKS * np.abs(force).max():
@@ -218,5 +217,5 @@ class LinkCorrection:
             self._members, self._places, self._motions, strict=True
         ):
             for motion, change in zip(motions, self._change[directions], strict=True):
-                found[number] = place.plus(found[number], motion, -self.weight * change)
+                found[number] = place.plus(found[number], motion, -self._weight * change)
         return found

@@ -73,7 +73,7 @@ class State(NamedTuple):
         changed: True if contact changed in the step that led here.
         reversal: Speed at which what slipped in that step now slips back, the largest, m/s.
         damped_until: Time until which steps are damped since contact changed, s.
-        body_links: Links between bodies; None without any.
+        body_links: Links between bodies; None in a scene without links and forces.
     """
 
     time: float

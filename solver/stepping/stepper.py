@@ -181,7 +181,7 @@ class Stepper:
     def _begun(self, state: State) -> State:
         """A state at the start, with what it stores, and where links begin."""
         state = consistent(self.system, self.links, state)
-        if self.attached is None or self.attached.links is None:
+        if self.attached is None:
             return state
         places, links = self.attached.attachments.values(state.u), self.attached.links
         memory = links.start(places)
@@ -277,7 +277,7 @@ class Stepper:
         guess = extrapolated(self.system, state, step.turning)
         try:
             solution = self._solve.solve(balance, guess)
-            while step.attached is not None and step.attached.breaks_at(solution.pull):
+            while step.attached and solution.pull and step.attached.breaks_at(solution.pull):
                 solution = self._solve.solve(balance, guess)
         except StepFailed:
             self._join(state.active)

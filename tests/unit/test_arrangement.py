@@ -9,7 +9,7 @@ from planes import TiltedPlane
 from geometry.arrangement import (
     initial_position,
     initial_position_in_space,
-    top_of,
+    pose_of_top,
 )
 from geometry.block import Block
 from geometry.foundation import level_frame
@@ -96,12 +96,12 @@ def test_leaning_towards_x_in_space_is_that_of_the_plane():
 def test_a_stack_turns_together():
     carrier = initial_position(SHAPE, 0.1, 0.2)
     upper = Block(width=0.1, height=0.3, thickness=0.75, density=2000.0)
-    on = top_of(carrier, SHAPE.height).after(initial_position(upper, 0.05, 0.0))
+    on = pose_of_top(carrier, SHAPE.height).after(initial_position(upper, 0.05, 0.0))
     middle = carrier(np.array([[0.05, 1.0]]))
     np.testing.assert_allclose(on(np.array([[0.0, 0.0]])), middle, atol=1e-15)
     np.testing.assert_allclose(on.rotation, carrier.rotation, atol=1e-15)
     # A tilt of its own adds: the upper block stands on its corner on the tilted top.
-    leaning = top_of(carrier, SHAPE.height).after(initial_position(upper, 0.05, 0.1))
+    leaning = pose_of_top(carrier, SHAPE.height).after(initial_position(upper, 0.05, 0.1))
     assert math.atan2(leaning.rotation[0, 1], leaning.rotation[0, 0]) == pytest.approx(0.3)
     top = TiltedPlane(
         point=tuple(carrier(np.array([[0.0, 1.0]]))[0]), normal=tuple(carrier.rotation[:, 1])
@@ -114,8 +114,8 @@ def test_a_stack_turns_together():
 def test_a_stack_in_space():
     carrier = initial_position_in_space(SHAPE, (0.0, 0.0), 0.2, 1.0)
     upper = Block(width=0.1, height=0.3, thickness=0.2, density=2000.0)
-    third = top_of(carrier, 1.0).after(initial_position_in_space(upper, (0.02, 0.03), 0.0))
-    third = top_of(third, 0.3).after(initial_position_in_space(upper, (0.01, 0.0), 0.0))
+    third = pose_of_top(carrier, 1.0).after(initial_position_in_space(upper, (0.02, 0.03), 0.0))
+    third = pose_of_top(third, 0.3).after(initial_position_in_space(upper, (0.01, 0.0), 0.0))
     np.testing.assert_allclose(
         third(np.array([[0.0, 0.0, 0.1]])), carrier(np.array([[0.03, 0.03, 1.4]])), atol=1e-15
     )

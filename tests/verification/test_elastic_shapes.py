@@ -505,18 +505,28 @@ def test_a_vase_is_meshed_by_its_true_surface(tmp_path: Path) -> None:
             assert other == pytest.approx(one, abs=1e-2 * math.radians(4.0))
 
 
-def test_a_hollow_profile_is_meshed_by_its_true_surface() -> None:
-    """All of the mass of its wall, and the centre; it stands. Beside others it is refused."""
-    wall = [[0.0, 0.0], [0.1, 0.0], [0.14, 0.2], [0.06, 0.4], [0.05, 0.4], [0.11, 0.2]]
-    shape = {"profile": [*wall, [0.08, 0.03], [0.0, 0.03]], "sides": 12}
-    given = scene(STONE | {"shape": shape, "cell_size": 0.05}, 0.01, 1e-3, dimension=3)
+CUP = [[0.0, 0.0], [0.2, 0.0], [0.2, 0.5], [0.15, 0.5], [0.15, 0.1], [0.0, 0.1]]
+TUBE = [[0.1, 0.0], [0.2, 0.0], [0.25, 0.5], [0.12, 0.5]]
+
+
+@pytest.mark.parametrize("profile", [CUP, TUBE], ids=["cup", "tube"])
+def test_a_hollow_profile_is_meshed_by_its_true_surface(profile: list[list[float]]) -> None:
+    """All of its mass, and its centre; it stands."""
+    keys = {"shape": {"profile": profile, "sides": 24}, "cell_size": 0.05}
+    given = scene(STONE | keys, 0.01, 1e-3, **SPACE)
     solid = given.blocks[0].shape.solid
-    assert solid is not None and solid.surface is not None
+    assert solid is not None and solid.hull_excess > 0.1
     member = build(given).members[0].body
     assert member.mass == pytest.approx(solid.mass, rel=1e-12)
     assert member.centre == pytest.approx(solid.centre, abs=5e-3 * solid.size)
     history = run(given).history
     assert history["block.normal_force_N"] == pytest.approx(solid.mass * G, rel=1e-6)
+    gaps = np.array([history[f"block.gap_{k}_m"] for k in (1, 2, 3, 4)])
+    assert np.abs(gaps).max() < 1e-9
+
+
+def test_a_union_with_a_hollow_profile_is_refused_where_it_is_elastic() -> None:
+    shape = {"profile": TUBE, "sides": 12}
     both = {"union": [shape, {"cylinder": 0.1, "height": 0.1, "at": [0.0, 0.0, 0.5]}]}
     with pytest.raises(SceneError, match=r"shape: got a union with a file or a hollow profile"):
         scene(STONE | {"shape": both}, 0.01, 1e-3, dimension=3)

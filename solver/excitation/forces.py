@@ -38,7 +38,7 @@ def whole_force(spec: ForceSpec, pose: Pose, shape: Block) -> Array:
     if spec.pressure is None:
         return np.array(spec.force)
     d = len(pose.place)
-    axis, sense = _normal(spec, d)
+    axis, sense = normal_of(spec, d)
     low, high = face_corners(spec, shape, d)
     area = float(np.prod(np.delete(high - low, axis))) * (shape.thickness if d == 2 else 1.0)
     return np.asarray(spec.pressure * area * sense * pose.rotation[:, axis])
@@ -52,12 +52,12 @@ def face_corners(spec: ForceSpec, shape: Block, d: int) -> tuple[Array, Array]:
     half = np.array(shape.half_lengths(d)[:-1])
     bottom, top = shape.walls or (0.0, shape.height)
     low, high = np.append(-half, bottom), np.append(half, top)
-    axis, sense = _normal(spec, d)
+    axis, sense = normal_of(spec, d)
     low[axis] = high[axis] = low[axis] if sense > 0 else high[axis]
     return low, high
 
 
-def _normal(spec: ForceSpec, d: int) -> tuple[int, float]:
+def normal_of(spec: ForceSpec, d: int) -> tuple[int, float]:
     """Axis along which a pressure on a face pushes, and the sense."""
     assert spec.face is not None
     axis, sense = NORMALS[spec.face]
