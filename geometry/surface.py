@@ -99,6 +99,12 @@ class Surface:
         """Upper corner of the box around it, (3,), m."""
         return np.asarray(self.points[np.unique(self.triangles)].max(axis=0))
 
+    def is_near(self, place: Array, reach: float) -> bool:
+        """True if a place (3,) is within, or a way of `reach` (m) along an axis leads there."""
+        ways = reach * np.concatenate([np.zeros((1, 3)), np.eye(3), -np.eye(3)])
+        corners = self.points[self.triangles]
+        return any(_times_round(corners - place - way) > 0.5 for way in ways)
+
     def moved(self, by: ArrayLike) -> Surface:
         """This surface moved by a vector (3,), m."""
         step = np.asarray(by, dtype=np.float64)

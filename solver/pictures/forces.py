@@ -139,7 +139,8 @@ def _add_links(axes: Axes, run: Run) -> None:
     left = len(run.scene.links) - len(chosen)
     more = f" ({left} more)" if left else ""
     axes.set_title(f"links{more}", loc="left")
-    axes.set_ylabel(f"tension ({unit})")
+    dashed = any(f"{link.name}.shear_force_N" in history for link in chosen)
+    axes.set_ylabel(f"tension{', shear dashed' * dashed} ({unit})")
     if any(links[link.name]["broke_at_s"] is not None for link in chosen):
         named["breaks"] = Line2D([], [], color="black", marker="x", linestyle="")
     # Colours have other meanings in the other panels, so that it has a legend of its own.

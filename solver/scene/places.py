@@ -369,6 +369,8 @@ def _is_in(spec: BlockSpec, place: Array) -> bool:
     """True if a place of its own frame, (d,), m, is in a block or on its surface."""
     solid = spec.shape.solid or hull(spec.shape.corners(len(place)))
     reach = OUTSIDE * spec.shape.half_diagonal
+    if solid.surface is not None:
+        return solid.surface.is_near(place, reach)
     return any(part.beyond(place[None])[0] <= reach for part in solid.parts)
 
 

@@ -36,7 +36,7 @@ def in_space(d: int, place: list[float]) -> list[float]:
 
 def scene(d: int, *blocks: dict[str, Any], end: float, step: float = 4e-3, **tables: Any) -> Scene:
     """Blocks in d dimensions, elastic unless they say otherwise; friction 2 unless given."""
-    whole = [{"cells": CELLS[d]} | block for block in blocks]
+    whole = [block if "shape" in block else {"cells": CELLS[d]} | block for block in blocks]
     for block in whole:
         if block.get("model") == "rigid":
             for key in ELASTIC:
@@ -406,3 +406,28 @@ def test_scenes_without_links_have_nothing_of_them() -> None:
 def test_places_beside_what_deforms_are_refused(tables: dict[str, Any], said: str) -> None:
     with pytest.raises(SceneError, match=said):
         scene(2, SLENDER, end=1.0, **tables)
+
+
+@pytest.mark.parametrize(
+    ("place", "is_in"),
+    [
+        ([0.0, 0.0, 0.2], False),
+        ([0.12, 0.0, 0.2], True),
+        ([0.0, 0.0, 0.0], True),
+        ([0.0, 0.0, 0.39], False),
+        ([0.09, 0.0, 0.0], True),
+        ([0.13, 0.0, 0.02], False),
+    ],
+)
+def test_places_in_the_hollow_of_an_elastic_vase_are_refused(
+    place: list[float], is_in: bool
+) -> None:
+    wall = [[0.0, 0.0], [0.1, 0.0], [0.14, 0.2], [0.06, 0.4], [0.05, 0.4], [0.11, 0.2]]
+    vase = {"shape": {"profile": [*wall, [0.08, 0.03], [0.0, 0.03]], "sides": 24}}
+    vase |= {"density": 2000.0, "young": 5e9, "poisson": 0.2}
+    wire = WIRE | {"at": place, "to": [0.5, 0.0, 0.0], "stiffness": 1e5}
+    if is_in:
+        scene(3, vase, end=1.0, link=[wire])
+        return
+    with pytest.raises(SceneError, match=r"wire\.at: got .* allowed a place in block or on it"):
+        scene(3, vase, end=1.0, link=[wire])
