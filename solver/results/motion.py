@@ -291,12 +291,12 @@ def slenderness(history: Columns, block: BlockSpec) -> Array:
 
 def tipping(history: Columns, block: BlockSpec) -> Tipping:
     """How far a block leans without rolling on and without overturning, over the rows."""
-    alpha, lean = slenderness(history, block), np.abs(total_lean(history, block.name))
+    alpha, signed = slenderness(history, block), total_lean(history, block.name)
     if block.shape.solid is None:
         return Tipping(np.full_like(alpha, math.inf), alpha, no_return(alpha))
     found: Array = np.full((3, len(alpha)), math.inf)
     ways: dict[float, tuple[float, ...]]
-    rows = np.flatnonzero(lean > NEAR_BALANCE * alpha)
+    rows = np.flatnonzero(np.abs(signed) > NEAR_BALANCE * alpha)
     if is_spatial(history, block.name):
         # It leans away from the upright direction in its own frame.
         towards = -boxes(history, block).frames[rows, 2, :2]
@@ -305,7 +305,7 @@ def tipping(history: Columns, block: BlockSpec) -> Tipping:
         keys = np.round(angles / step) % DIRECTIONS
         ways = {key: (math.cos(key * step), math.sin(key * step)) for key in np.unique(keys)}
     else:
-        keys = np.sign(history[f"{block.name}.angle_rad"][rows])
+        keys = np.where(signed[rows] < 0, -1.0, 1.0)
         ways = {key: (float(key),) for key in np.unique(keys)}
     for key, way in ways.items():
         found[:, rows[keys == key]] = np.array(limits_towards(block.shape, way))[:, None]

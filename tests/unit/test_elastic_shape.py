@@ -282,7 +282,7 @@ def test_cautions_for_hollows() -> None:
     from solver.results.cautions import cautions_of_input
 
     low = {"name": "low", "shape": ELL}
-    top = {"name": "top", "on": "low", "width": 0.1, "height": 0.3}
+    top = {"name": "top", "on": "low", "width": 0.1, "height": 0.3, "offset": -0.2}
     given = scene(low, top)
     (said,) = cautions_of_input(given, read_ground(given))
     assert said.startswith("top and low, which carries it, meet by the faces of their convex hulls")

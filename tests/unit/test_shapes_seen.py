@@ -170,7 +170,7 @@ def test_check_tells_of_shapes() -> None:
     assert found is not None
     solid = parse_scene(text_of("vase")).blocks[0].shape.solid
     assert solid is not None and float(found[1]) == pytest.approx(100 * solid.hull_excess, abs=0.5)
-    assert f"larger by {found[1]} % of its volume" in vase["caution"]
+    assert f"larger than its surface by {found[1]} % of its volume" in vase["caution"]
     assert "shape.union" not in vase["caution"]
 
 
