@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from typing import Literal, NamedTuple, TypeAlias
 
+from solver.errors import SceneError
 from solver.scene.feet import FootSpec, Plan
 from solver.scene.quantities import Dimension
 
-ContainerName: TypeAlias = Literal["20ft", "40ft", "40ft high cube", "45ft high cube"]
+ContainerName: TypeAlias = Literal[
+    "20ft", "20ft high cube", "40ft", "40ft high cube", "45ft", "45ft high cube"
+]
 Load: TypeAlias = Literal["empty", "full"]
 
 
@@ -18,14 +21,16 @@ class Container(NamedTuple):
     """m."""
     height: float
     """m."""
-    tare: float
-    """A usual mass of an empty one, kg; no standard sets it."""
+    tare: float | None
+    """A usual mass of an empty one, kg, which no standard sets; None: these are rare."""
 
 
 CONTAINERS: dict[ContainerName, Container] = {
     "20ft": Container(6.058, 2.591, 2300.0),
+    "20ft high cube": Container(6.058, 2.896, None),
     "40ft": Container(12.192, 2.591, 3750.0),
     "40ft high cube": Container(12.192, 2.896, 3940.0),
+    "45ft": Container(13.716, 2.591, None),
     "45ft high cube": Container(13.716, 2.896, 4820.0),
 }
 
@@ -46,8 +51,15 @@ ABOVE = 0.006
 
 
 def mass_of(name: ContainerName, load: Load) -> float:
-    """Its mass, empty or full, kg."""
-    return CONTAINERS[name].tare if load == "empty" else GROSS_MASS
+    """Its mass, empty or full, kg; SceneError where that of an empty one is not known."""
+    if load == "full":
+        return GROSS_MASS
+    tare = CONTAINERS[name].tare
+    if tare is None:
+        raise SceneError(
+            "load", '"empty"', f'"full", or its mass instead: "{name}" has no usual one'
+        )
+    return tare
 
 
 def sizes_of(name: ContainerName, scale: float) -> dict[str, float]:

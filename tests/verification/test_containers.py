@@ -310,6 +310,20 @@ def test_a_container_stands_on_what_is_meshed(d: int) -> None:
     assert forces == pytest.approx([2300.0 * G / feet] * feet, rel=1e-3)
 
 
+@pytest.mark.parametrize(
+    ("name", "length", "height"), [("20ft high cube", 6.058, 2.896), ("45ft", 13.716, 2.591)]
+)
+def test_rare_ones_have_no_usual_mass(name: str, length: float, height: float) -> None:
+    box = EMPTY | {"container": name}
+    with pytest.raises(SceneError, match=r'^block\.load: got "empty", allowed "full", or its mass'):
+        scene(3, box, end=1.0)
+    for load in ({"load": "full"}, {"load": None, "mass": 2500.0}):
+        given = {key: value for key, value in (box | load).items() if value is not None}
+        (block,) = scene(3, given, end=1.0).blocks
+        assert (block.thickness, block.height) == (length, height)
+        assert block.shape.mass == pytest.approx(load.get("mass", 30480.0), rel=1e-12)
+
+
 def test_a_container_is_rigid() -> None:
     with pytest.raises(SceneError, match=r"^block\.container applies to blocks with model = "):
         scene(2, EMPTY | {"model": "elastic", "young": 1e9, "poisson": 0.2}, end=1.0)
