@@ -631,7 +631,10 @@ def _misses(one: Convex, other: Convex) -> bool:
 
 
 def _descent_of_part(one: Convex, other: Convex) -> float:
-    """The same for two parts, by linear programming; infinite also where one brushes the other."""
+    """How far a convex part may go down before it touches another, m, by linear programming.
+
+    Infinite if it misses that or brushes it; below 0 where it is in it, or below it.
+    """
     from scipy.optimize import linprog  # slow to import
 
     size = size_of(np.concatenate([one.corners, other.corners]))
