@@ -102,8 +102,10 @@ def _below(
     below = next((other for other in members if other.spec.name == member.spec.carrier), None)
     if below is None:
         return floor
+    if len(below.parts) == 1:
+        return below.surface
     part = standing_part(member.spec, below.spec, scene.poses(), scene.dimension)
-    return below.surface if part is None or len(below.parts) == 1 else below.parts[part]
+    return below.surface if part is None else below.parts[part]
 
 
 def _meetings(
