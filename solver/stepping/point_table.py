@@ -68,7 +68,7 @@ class PointTable:
         steady: True if friction depends on neither speed nor the past.
         decays: True if that of some points decays with the speed.
         bounds: Bounds of steady friction; None where it is not steady.
-        turns: True if a carrier turns.
+        turning: Points whose carriers turn, (points,).
         size: Of the body that each point belongs to, (points,), m.
         round_off: Round-off of their gaps, (points,), m.
     """
@@ -92,8 +92,8 @@ class PointTable:
             interfaces = [link.interface for link in links]
             each = [interface.bounds(new_pasts(interface.count)) for interface in interfaces]
             self.bounds = JoinedBounds.of(each)
-        self.turns = any(carrier.turns for carrier in self.carriers)
         self._of_interfaces: dict[tuple[bool, ...], Mask] = {}
+        self.turning = self.of_interfaces(tuple(carrier.turns for carrier in self.carriers))
         self._frames_of: tuple[bytes, Array] | None = None
         """Frames that were given last, and for which points."""
         self.round_off = GAP_ROUND_OFF * self.size
@@ -113,7 +113,7 @@ class PointTable:
     def frames_at(self, chosen: Indices) -> Array:
         """Frames at some of the points, whose numbers rise, (m, d, d); to be read only."""
         key, kept = chosen.tobytes(), self._frames_of
-        if self.turns or kept is None or kept[0] != key:
+        if kept is None or kept[0] != key or self.turning.take(chosen).any():
             kept = self._frames_of = key, self._new_frames(chosen)
         return kept[1]
 
