@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from newmark import incline_distance
 
-from benchmarks.verification.newmark import incline_distance
 from rockslip import Result, Scene, parse_scene, simulate
 from solver.reference.sliding import SlidingReference, sliding
 
