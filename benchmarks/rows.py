@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import csv
 import os
 import subprocess
 import sys
@@ -14,6 +13,8 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from tqdm import tqdm
+
+from solver.study import tables
 
 Case = TypeVar("Case")
 Value = TypeVar("Value")
@@ -57,14 +58,7 @@ def on_ranks(ranks: int, file: str, *words: str) -> subprocess.CompletedProcess[
 
 
 def write_table(file: Path, rows: Iterable[Row]) -> None:
-    """Write rows as they come; the file takes its name when it is complete."""
-    draft, writer = file.with_suffix(".part"), None
-    with draft.open("w", newline="", encoding="utf-8") as stream:
-        for row in rows:
-            if writer is None:
-                writer = csv.DictWriter(stream, fieldnames=list(row))
-                writer.writeheader()
-            writer.writerow(row)
-            stream.flush()
-    draft.replace(file)
+    """Write a table whose columns are those of all rows, once it is complete."""
+    found = list(rows)
+    tables.write(file, tables.as_csv(found, tables.column_names(found)))
     print(f"table in {file}")
