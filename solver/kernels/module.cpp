@@ -8,21 +8,16 @@ using namespace rockslip;
 
 namespace {
 
-template <int d> struct SteppedWorld {
-    World<d> world;
-    Stepper<d> stepper{world};
-};
-
 struct Handle {
     int d;
-    SteppedWorld<2> plane;
-    SteppedWorld<3> space;
+    Stepper<2> plane;
+    Stepper<3> space;
     std::vector<double> pairs;  // of the steps of the last run
 };
 
 template <class F> auto with_stepper(void* handle, F f) {
     Handle* h = static_cast<Handle*>(handle);
-    return h->d == 2 ? f(h->plane.stepper) : f(h->space.stepper);
+    return h->d == 2 ? f(h->plane) : f(h->space);
 }
 
 template <class F> auto with(void* handle, F f) {

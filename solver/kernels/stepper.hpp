@@ -18,12 +18,11 @@
 
 namespace rockslip {
 
+/// A world, and the steps that it takes.
 template <int d> class Stepper {
   public:
-    World<d>& world;
+    World<d> world;
     LocalProblem<d> local;
-
-    explicit Stepper(World<d>& of) : world(of) {}
 
     /// One step; false where no step, however short, was solved.
     bool step(double dt, double smallest, const GroundMotion<d>& ground) {

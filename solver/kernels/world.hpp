@@ -86,7 +86,7 @@ template <int d> struct World {
         return laws[law_of[static_cast<std::size_t>(a) * bodies.size() + static_cast<std::size_t>(b)]];
     }
 
-    const Shape<d>& part(int body, std::size_t number) const { return shapes[bodies[body].parts[number]]; }
+    const Shape<d>& part(int body, std::size_t which) const { return shapes[bodies[body].parts[which]]; }
     const Shape<d>& point_shape(const Feature<d>& feature) const { return part(feature.point_body, feature.point_part); }
     const Shape<d>& face_shape(const Feature<d>& feature) const { return part(feature.face_body, feature.face_part); }
 
