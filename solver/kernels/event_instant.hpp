@@ -67,6 +67,7 @@ template <int d> double locate_touch(const World<d>& world, StepSolver<d>& solve
     std::vector<Contact<d>> clear, touching;
     std::vector<Bracket> gaps;
     for (const Contact<d>& k : step.contacts) (is_new(world, k) ? clear : touching).push_back(k);
+    gaps.reserve(clear.size());
     for (const Contact<d>& k : clear) gaps.push_back({k.gap, world.round_off()});
     step.contacts.swap(touching);
     const double dt = step.piece.dt;
