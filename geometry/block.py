@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from geometry.density import Tensor, Vector, linear_tensor
+from geometry.density import Tensor, Vector, linear_tensor, tensor_of
 
 if TYPE_CHECKING:
     from geometry.solid import Solid
@@ -325,10 +325,7 @@ def turned(tensor: Tensor, x: float, y: float) -> Tensor:
     """A tensor in axes of which the first is (x, y, 0), a unit vector, and the last the same."""
     axes: Tensor = (x, y, 0.0), (-y, x, 0.0), (0.0, 0.0, 1.0)
     images = [[_dot(row, axis) for row in tensor] for axis in axes]
-    first, second, third = (
-        (_dot(axis, images[0]), _dot(axis, images[1]), _dot(axis, images[2])) for axis in axes
-    )
-    return first, second, third
+    return tensor_of([[_dot(axis, image) for image in images] for axis in axes])
 
 
 def _extent(values: Sequence[float]) -> float:

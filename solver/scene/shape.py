@@ -12,6 +12,7 @@ from geometry.block import Block
 from geometry.density import Tensor, Vector
 from solver.errors import SceneError, Statement, missing_key, not_applicable
 from solver.scene.checking import OPEN, Checked, is_open, shown
+from solver.scene.mass import inertia_tensor
 from solver.scene.quantities import Density, Dimension, Length, Number, Place, Position
 
 if TYPE_CHECKING:
@@ -214,25 +215,17 @@ def block_of(shape: ShapeSpec, sizes: Sizes, dimension: Dimension, given: Given)
         height=height,
         thickness=across[0] if across else solid.thickness,
         density=solid.mass / solid.volume,
-        centre=given.centre or _in_space(solid.centre, solid.size),
-        inertia=given.inertia or _tensor_of(solid.inertia),
+        centre=given.centre or in_space(solid.centre, solid.size),
+        inertia=given.inertia or inertia_tensor(solid.inertia),
         base=(float(ends.min()), float(ends.max())),
         solid=solid,
     )
 
 
-def _in_space(place: Array, size: float) -> Vector:
+def in_space(place: Array, size: float) -> Vector:
     """A place along x, y and upwards, in the middle where it is off by round-off of the size."""
     x, *y, z = (0.0 if abs(each) < 1e-14 * size else float(each) for each in place)
     return x, y[0] if y else 0.0, z
-
-
-def _tensor_of(inertia: Array | float) -> Tensor:
-    """An inertia about a centre; in the plane that about y, whatever those about x and z are."""
-    if isinstance(inertia, float):
-        return (inertia, 0.0, 0.0), (0.0, inertia, 0.0), (0.0, 0.0, inertia)
-    first, second, third = ((float(r[0]), float(r[1]), float(r[2])) for r in inertia)
-    return first, second, third
 
 
 def _part(shape: ShapeSpec, sizes: Sizes, dimension: Dimension, where: str) -> Solid:
