@@ -201,21 +201,6 @@ class Block:
         ring = (-b, -t), (b, -t), (b, t), (-b, t)
         return tuple((x, y, z) for z in (0.0, self.height) for x, y in ring)
 
-    def loops(self) -> list[tuple[int, ...]] | None:
-        """Numbers of the corners around the faces of a solid, in the plane around its parts.
-
-        None for a box.
-        """
-        if self.solid is None:
-            return None
-        found, first = list[tuple[int, ...]](), 0
-        for part in self.solid.parts:
-            count = len(part.corners)
-            faces = part.faces if part.dimension == 3 else (tuple(range(count)),)
-            found += [tuple(first + k for k in face) for face in faces]
-            first += count
-        return found
-
     def bottom_corners(self, dimension: int = 2) -> tuple[tuple[float, ...], ...]:
         """The two, in space four, corners of the bottom farthest out, as `corners` orders them, m.
 

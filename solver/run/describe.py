@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from geometry.block import SIDES, Block
-from geometry.solid import chord_error
+from geometry.shapes import chord_error
 from solver.bodies.memory import solver_in_words
 from solver.errors import EnvironmentTrouble
 from solver.excitation.forces import whole_force

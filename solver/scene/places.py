@@ -18,7 +18,8 @@ from geometry.arrangement import (
 )
 from geometry.boxes import Boxes, overlap_depth
 from geometry.convex import Convex
-from geometry.solid import common_depth, descent, hull
+from geometry.overlap import common_depth, descent
+from geometry.shapes import hull
 from geometry.top import top_of as outline_of
 from solver.errors import SceneError, Statement
 from solver.scene.block import BlockSpec

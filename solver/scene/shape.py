@@ -230,7 +230,8 @@ def in_space(place: Array, size: float) -> Vector:
 
 def _part(shape: ShapeSpec, sizes: Sizes, dimension: Dimension, where: str) -> Solid:
     """A shape in the frame in which its numbers are given."""
-    from geometry import solid as solids  # numpy and more: scenes of boxes do without
+    from geometry import shapes  # numpy and more: scenes of boxes do without
+    from geometry.surface_file import read_surface
 
     density, kind = shape.density or sizes.density, shape.kind
     thickness = shape.thickness or sizes.thickness
@@ -244,24 +245,24 @@ def _part(shape: ShapeSpec, sizes: Sizes, dimension: Dimension, where: str) -> S
                         raise missing_key(f"{name}.{key}", f"({key} > 0, m)")
                 made = _part(part, sizes._replace(width=None, height=None), dimension, name)
                 members.append(made.moved(part.at or (0.0,) * dimension))
-            return solids.union(members)
+            return shapes.union(members)
         if kind == "polygon":
-            flat = solids.polygon(shape.polygon, density, thickness)
-            return flat if dimension == 2 else solids.prism(flat, thickness)
+            flat = shapes.polygon(shape.polygon, density, thickness)
+            return flat if dimension == 2 else shapes.prism(flat, thickness)
         if kind == "regular":
             assert shape.regular is not None
             width = shape.width or sizes.width or 0.0
-            flat = solids.regular(shape.regular, width, density, thickness)
-            return flat if dimension == 2 else solids.prism(flat, thickness)
+            flat = shapes.regular(shape.regular, width, density, thickness)
+            return flat if dimension == 2 else shapes.prism(flat, thickness)
         if kind == "profile":
-            return solids.turned(shape.profile, shape.sides, density)
+            return shapes.turned(shape.profile, shape.sides, density)
         if kind == "cylinder":
             assert shape.cylinder is not None
             height = shape.height or sizes.height or 0.0
-            return solids.cylinder(shape.cylinder, height, shape.sides, density)
+            return shapes.cylinder(shape.cylinder, height, shape.sides, density)
         assert shape.file is not None
-        surface = solids.read_surface(shape.file, shape.scale)
-        return solids.of_surface(surface, density, shape.contact)
+        surface = read_surface(shape.file, shape.scale)
+        return shapes.of_surface(surface, density, shape.contact)
     except ValueError as error:
         said = str(error).removeprefix(f"{kind}: ").removeprefix("union: ")
         raise Statement(f"{where}.{kind}:", said) from None

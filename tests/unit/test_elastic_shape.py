@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from geometry.foundation import face_frame
-from geometry.solid import Solid, cylinder, hull, polygon, prism, regular
+from geometry.shapes import cylinder, hull, polygon, prism, regular
+from geometry.solid import Solid
 from geometry.tags import FacetTag, tags_of_faces
 from rockslip import Scene, parse_scene
 from solver.errors import SceneError
