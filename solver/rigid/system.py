@@ -14,22 +14,13 @@ import numpy as np
 
 from geometry.arrangement import Pose, level
 from geometry.block import FACES, Block
-from geometry.outline import rolls
-from geometry.top import top_over_centre
 from solver.excitation.forces import arm_of, factors, whole_force
-from solver.history.columns import check_filled, columns, positions, row_layout
+from solver.history.columns import check_filled
+from solver.history.engine_rows import EngineRows
 from solver.history.events import Event, Meeting
-from solver.history.link_columns import LinkRows
 from solver.kernels.world import Body, Mobility, Steps, World
 from solver.rigid.links import link_of
-from solver.rigid.rows import (
-    BlockRows,
-    Foot,
-    quaternion_of,
-    rotation_matrices,
-    write_energies,
-    write_platform,
-)
+from solver.rigid.rows import BlockRows, quaternion_of, rotation_matrices
 from solver.scene import Scene
 from solver.scene.force import ForceSpec
 from solver.scene.laws import GROUND, Law
@@ -171,20 +162,9 @@ class RigidSystem:
         self.dimension = d = len(blocks[0].pose.place)
         self.names = tuple(block.name for block in blocks)
         self.time = 0.0
-        moves = platform is not None
-        self.columns = columns(
-            self.names,
-            dimension=d,
-            platform=moves,
-            vertical=True,
-            second=d == 3,
-            links={link.name: not link.is_axial for link in links},
-            feet={block.name: block.shape.feet for block in blocks},
-        )
-        """Names of the columns of the rows: those of a history with all motions of the ground."""
-        self._run = positions("run", d)
-        self._layout = row_layout(len(blocks), dimension=d, platform=moves)
-        self._error = self._layout.energy + positions("energy", d).ledger_error_J
+        self._moves = platform is not None
+        shapes = {block.name: block.shape for block in blocks}
+        self._rows = EngineRows(shapes, links, dimension=d, platform=self._moves)
         alphas = scheme.alpha_m, scheme.alpha_f, scheme.beta
         self._world = World(d, gravity, alphas, velocity_solve)
         for block in blocks:
@@ -193,7 +173,6 @@ class RigidSystem:
         numbers = {GROUND: len(blocks)} | {block.name: b for b, block in enumerate(blocks)}
         carriers = [[numbers[name] for name in block.carriers] for block in blocks]
         _add_links(self._world, links, blocks, numbers, _place_of(platform, d))
-        self._links = LinkRows(links, self.columns, d)
         self._forces = forces
         self._pushes = _add_forces(self._world, forces, blocks, numbers)
         laws, law_of = _laws_of(self.body_names, law_between)
@@ -201,13 +180,8 @@ class RigidSystem:
         if tells_pairs:
             self._world.tell_pairs()
         self._tells_pairs = tells_pairs
-        bottoms = np.array([_bottom_of(block) for block in blocks])
-        tops = np.array([b.shape.height - b.shape.centre_height for b in blocks])
-        holds = np.array([top_over_centre(block.shape, d) for block in blocks])
-        level_tops = [rolls(block.shape, d) for block in blocks]
         standing = [each[0] for each in carriers]
-        feet = _feet_of(blocks, self.columns)
-        self._written = BlockRows(bottoms, tops, holds, level_tops, standing, feet)
+        self._written = BlockRows(list(shapes.values()), standing, self._rows)
         self._before = self._world.now()
         frames = rotation_matrices(self._before.rotation)
         self._lean = self._written.lean(self._before, frames, np.zeros(len(blocks)))[0]
@@ -237,8 +211,13 @@ class RigidSystem:
     @property
     def unknowns(self) -> int:
         """Number of unknowns."""
-        d, moves = self.dimension, self._layout.energy > self._layout.platform
-        return d * (d + 1) // 2 * len(self.names) + (d - 1) * moves
+        d = self.dimension
+        return d * (d + 1) // 2 * len(self.names) + (d - 1) * self._moves
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the columns of the rows: those of a history with all motions of the ground."""
+        return self._rows.names
 
     @property
     def rescued(self) -> dict[str, int]:
@@ -269,21 +248,14 @@ class RigidSystem:
         """The bodies that met since the last call, by their times."""
         names, found = self.body_names, []
         for met in sorted(self._world.collisions(), key=lambda met: met.time):
-            normal = met.normal / np.linalg.norm(met.normal)
-            push = float(met.impulse @ normal)
-            meeting = Meeting(
-                time_s=met.time,
-                first=names[met.first],
-                second=names[met.second],
-                up=float(normal[-1]),
-                approach_m_s=met.approach,
-                departure_m_s=met.departure,
-                brought_m_s=met.brought,
-                impulse_Ns=push,
-                impulse_tangential_Ns=float(np.linalg.norm(met.impulse - push * normal)),
-                energy_lost_J=met.energy,
-                spin_rad_s=tuple(map(float, met.spin)),
-                later_spin_rad_s=tuple(map(float, met.later_spin)),
+            meeting = Meeting.of(
+                met.time,
+                (names[met.first], names[met.second]),
+                met.normal,
+                met.impulse,
+                speeds=(met.approach, met.departure, met.brought),
+                spins=(met.spin, met.later_spin),
+                lost=met.energy,
             )
             found.append(meeting)
         return found
@@ -313,8 +285,8 @@ class RigidSystem:
         if done:
             taken = before.followed_by(steps)
             self._fill(rows, taken, dt, motion[: done + 1])
-            rows[:, self._run.time_s] = times[1 : done + 1]
-            happened = tuple(self._links.events(taken.links, times[1 : done + 1]))
+            rows[:, self._rows.run.time_s] = times[1 : done + 1]
+            happened = tuple(self._rows.links.events(taken.links, times[1 : done + 1]))
             check_filled(self.columns, rows)
             self._before = steps.last()
         self.time += dt * done
@@ -332,20 +304,20 @@ class RigidSystem:
 
     def _fill(self, rows: Array, steps: Steps, dt: float, ground: Array) -> None:
         """Fill in rows, one for each step but the first one, that they follow."""
-        run, layout = self._run, self._layout
-        rows[:, run.step_s] = dt
-        rows[:, run.newton_iterations] = np.diff(steps.iterations)
-        rows[:, run.contact_points_closed] = steps.closed[1:]
-        rows[:, run.base_acceleration_m_s2] = ground[1:, 0]
-        rows[:, run.base_vertical_acceleration_m_s2] = ground[1:, -1]
-        if self.dimension == 3:
-            rows[:, run.base_second_acceleration_m_s2] = ground[1:, 1]
-        self._lean = self._written.write(rows, layout, steps, dt, self._lean)
-        if layout.energy > layout.platform:
-            write_platform(rows, layout, steps, dt)
-        self._links.write(rows, steps.links[1:])
-        write_energies(rows[:, layout.energy :], steps.stored[1:], steps.exchanged[1:])
-        rows[:, self._error] -= self._first
+        columns, row = self._rows, rows.T
+        ground = ground[1:].T
+        columns.write_run(row, dt, np.diff(steps.iterations), steps.closed[1:], ground)
+        self._lean = self._written.write(rows, steps, dt, self._lean)
+        if self._moves:
+            drift, velocity = steps.centre[1:, -1].T, steps.velocity[:, -1].T
+            columns.write_platform(row, drift, velocity[:, 1:], np.diff(velocity) / dt)
+            columns.write_base_shear(row, np.asarray(steps.ground_impulse[1:].T / dt))
+        columns.links.write(rows, steps.links[1:])
+        kinetic, gravity, spring = steps.stored[1:].T
+        taken, friction, damping, contact, numerical = steps.exchanged[1:].T
+        stored = kinetic, 0.0, gravity, spring, 0.0
+        exchanged = taken, friction, damping, 0.0, contact, numerical
+        columns.write_energies(row, stored, exchanged, self._first)
 
     def saved(self) -> dict[str, Any]:
         """How everything stands at the moment, for `restore`."""
@@ -372,11 +344,12 @@ class RigidSystem:
         rows: Array = np.full((1, len(self.columns)), np.nan)
         self._fill(rows, self._before.followed_by(self._before), dt, motion)
         row = rows[0]
-        row[self._run.time_s] = self.time
+        row[self._rows.run.time_s] = self.time
         if not trial.failure:  # else the forces are not known; the step that follows fails, too
             taken = [k for k, name in enumerate(self.columns) if name.endswith(FOLLOWING)]
             row[taken] = trial.rows[0, taken]
-            row[self._run.contact_points_closed] = trial.rows[0, self._run.contact_points_closed]
+            closed = self._rows.run.contact_points_closed
+            row[closed] = trial.rows[0, closed]
         return row
 
     @property
@@ -478,26 +451,6 @@ def _add_forces(
 def _place_of(platform: RigidPlatform | None, d: int) -> Array:
     """Where the platform, or the ground, stands at the start, m, (d,)."""
     return np.zeros(d) if platform is None else np.array([*platform.drift[: d - 1], 0.0])
-
-
-def _feet_of(blocks: Sequence[RigidBlock], names: Sequence[str]) -> dict[int, list[Foot]]:
-    """The feet of blocks that have some, by the numbers of these."""
-    found: dict[int, list[Foot]] = {}
-    first = 0  # among the parts of all bodies that have several
-    for number, block in enumerate(blocks):
-        shape = block.shape
-        parts = 0 if shape.solid is None else len(shape.solid.parts)
-        for k in range(shape.feet):
-            column = names.index(f"{block.name}.foot_{k + 1}.normal_force_N")
-            found.setdefault(number, []).append(Foot(first + parts - shape.feet + k, column))
-        first += parts if parts > 1 else 0
-    return found
-
-
-def _bottom_of(block: RigidBlock) -> Array:
-    """Corners of the bottom of a block about its centre of mass, m, (2^(d-1), d)."""
-    d = len(block.pose.place)
-    return np.array(block.shape.bottom_corners(d)) - block.shape.centre_of_mass(d)
 
 
 def _base_of(world: World, platform: RigidPlatform | None, d: int) -> Body:
