@@ -18,9 +18,10 @@ from typing import Any
 
 import numpy as np
 
+from geometry.arrangement import Pose
 from rockslip import Scene, parse_scene
 from solver.excitation.motion import read_ground
-from solver.rigid.system import RigidBlock, RigidSystem, blocks_of
+from solver.rigid.system import RigidSystem
 
 END = 3.0
 
@@ -65,24 +66,24 @@ def pulse(random: np.random.Generator) -> dict[str, Any]:
     return {"kind": "half_sine", "amplitude_g": amplitude, "duration": 0.5 / frequency}
 
 
-def turned(blocks: list[RigidBlock], seed: int) -> list[RigidBlock]:
+def turned(poses: dict[str, Pose], seed: int) -> dict[str, Pose]:
     """The drums, of every third seed each turned about the vertical by up to 45 degrees."""
     random = np.random.default_rng(seed)
     if seed % 3:
-        return blocks
-    found = []
-    for block in blocks:
+        return poses
+    found = {}
+    for name, pose in poses.items():
         angle = random.uniform(-math.pi / 4, math.pi / 4)
         c, s = math.cos(angle), math.sin(angle)
         turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-        found.append(replace(block, pose=replace(block.pose, rotation=turn)))
+        found[name] = replace(pose, rotation=turn)
     return found
 
 
 def run(scene: Scene, seed: int) -> dict[str, Any]:
     """Run a column; returns its results."""
     step = scene.time.step
-    system = RigidSystem.from_scene(scene, turned(blocks_of(scene), seed))
+    system = RigidSystem(scene, turned(scene.poses(), seed))
     count, motion = round(scene.time.end / step), read_ground(scene)
     times = np.arange(count + 1) * step
     ground, mean = motion.accelerations(times), motion.means(times)

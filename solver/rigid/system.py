@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
@@ -21,78 +21,31 @@ from solver.history.events import Event, Meeting
 from solver.kernels.world import Body, Mobility, Steps, World
 from solver.rigid.links import link_of
 from solver.rigid.rows import BlockRows, quaternion_of, rotation_matrices
-from solver.scene import Scene
-from solver.scene.force import ForceSpec
+from solver.scene import BlockSpec, Scene
+from solver.scene.foundation import Platform
 from solver.scene.laws import GROUND, Law
-from solver.scene.link import LinkSpec
 from solver.scene.places import Drift
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.types import Array, Indices
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class RigidBlock:
-    """A block and how it starts, in the plane or in space."""
+def drift_of(scene: Scene) -> Drift:
+    """Where the platform of a scene starts, along x and y, m.
 
-    name: str = "block"
-    carriers: tuple[str, ...] = (GROUND,)
-    """Names of the blocks that carry it, or "foundation"; gap and slip are those over the first."""
-    shape: Block
-    pose: Pose
-    """From its own frame, origin at the bottom centre, to where it stands; level 0: the ground."""
-    velocity: Sequence[float] | Array | float = 0.0
-    """Velocity of the centre of mass, relative to the ground, m/s; 0: it rests."""
-    angular_velocity: Sequence[float] | Array | float = 0.0
-    """rad/s: in the plane clockwise, in space a vector or 0."""
-
-    @property
-    def centre(self) -> Array:
-        """Where its centre of mass starts, m."""
-        own = np.array(self.shape.centre_of_mass(len(self.pose.place)))
-        return np.asarray(self.pose(own[None])[0])
+    On an incline that is where the spring holds what it carries.
+    """
+    if not scene.has_platform or scene.time.initial != "static":
+        return 0.0, 0.0
+    if any(spec.tilt for spec in scene.blocks):
+        return 0.0, 0.0
+    mass, stiffness, _ = scene.platform()
+    held, pull = (mass + scene.carried_mass) / stiffness, (*scene.gravity_vector[:-1], 0.0)
+    return held * pull[0], held * pull[1]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RigidPlatform:
-    """A rigid platform on springs and dashpots, in space alike along x and y."""
-
-    mass: float
-    """kg."""
-    stiffness: float
-    """k, N/m."""
-    damping: float = 0.0
-    """c, N s/m."""
-    drift: Drift = (0.0, 0.0)
-    """Along x and y at the start, m; in the plane along x."""
-
-
-def platform_of(scene: Scene) -> RigidPlatform | None:
-    """The platform of a scene; on an incline it starts where the spring holds what it carries."""
-    if not scene.has_platform:
-        return None
-    mass, stiffness, damping = scene.platform()
-    drift = 0.0, 0.0
-    if scene.time.initial == "static" and not any(spec.tilt for spec in scene.blocks):
-        held = (mass + scene.carried_mass) / stiffness
-        pull = *scene.gravity_vector[:-1], 0.0
-        drift = held * pull[0], held * pull[1]
-    return RigidPlatform(mass=mass, stiffness=stiffness, damping=damping, drift=drift)
-
-
-def blocks_of(scene: Scene, drift: Drift = (0.0, 0.0)) -> list[RigidBlock]:
-    """The blocks in the order of the scene, each where it starts; `drift` of the platform, m."""
-    placed = scene.poses(drift=drift)
-    return [
-        RigidBlock(
-            name=spec.name,
-            carriers=spec.carriers,
-            shape=spec.shape,
-            pose=placed[spec.name],
-            velocity=spec.velocity,
-            angular_velocity=spec.angular_velocity,
-        )
-        for spec in scene.blocks
-    ]
+def centre_of(shape: Block, pose: Pose) -> Array:
+    """Where the centre of mass of a block is, m, (d,)."""
+    return np.asarray(pose(np.array([shape.centre_of_mass(len(pose.place))]))[0])
 
 
 TRIAL = 0.1
@@ -133,80 +86,49 @@ class RigidSystem:
     Bodies 0 to n - 1 are the blocks, body n is the ground, or the platform; its top is at level 0.
     """
 
-    def __init__(
-        self,
-        blocks: Sequence[RigidBlock],
-        scheme: GeneralizedAlpha,
-        *,
-        gravity: Sequence[float],
-        platform: RigidPlatform | None,
-        velocity_solve: bool,
-        law_between: Callable[[str, str], Law],
-        tells_pairs: bool,
-        links: Sequence[LinkSpec] = (),
-        forces: Sequence[ForceSpec] = (),
-    ):
-        """Start at t = 0.
-
-        Args:
-            blocks: In the order of their columns.
-            scheme: Of the platform's spring.
-            gravity: (d,), m/s2.
-            platform: What the blocks stand on; None: the ground.
-            velocity_solve: True if contact is also solved at velocity level after each step.
-            law_between: The law of two bodies by their names.
-            tells_pairs: True if it is told what pairs of bodies do to one another.
-            links: Between two bodies.
-            forces: On blocks.
-        """
-        self.dimension = d = len(blocks[0].pose.place)
-        self.names = tuple(block.name for block in blocks)
+    def __init__(self, scene: Scene, poses: Mapping[str, Pose] | None = None):
+        """Start at t = 0, where the scene says, or where blocks stand by their names."""
+        self.dimension = d = scene.dimension
+        self.names = tuple(spec.name for spec in scene.blocks)
         self.time = 0.0
-        self._moves = platform is not None
-        shapes = {block.name: block.shape for block in blocks}
-        self._rows = EngineRows(shapes, links, dimension=d, platform=self._moves)
+        self._forces, self._tells_pairs = scene.forces, scene.output.pairs
+        self._moves = scene.has_platform
+        shapes = {spec.name: spec.shape for spec in scene.blocks}
+        self._rows = EngineRows(shapes, scene.links, dimension=d, platform=self._moves)
+        drift = drift_of(scene)
+        base = np.array([*drift[: d - 1], 0.0])
+        placed = poses or scene.poses(drift=drift)
+        centres = {name: centre_of(shape, placed[name]) for name, shape in shapes.items()}
+        scheme = GeneralizedAlpha(scene.time.rho_inf)  # of the platform's spring
         alphas = scheme.alpha_m, scheme.alpha_f, scheme.beta
-        self._world = World(d, gravity, alphas, velocity_solve)
-        for block in blocks:
-            self._world.add(_body_of(self._world, block))
-        self._world.add(_base_of(self._world, platform, d))
-        numbers = {GROUND: len(blocks)} | {block.name: b for b, block in enumerate(blocks)}
-        carriers = [[numbers[name] for name in block.carriers] for block in blocks]
-        _add_links(self._world, links, blocks, numbers, _place_of(platform, d))
-        self._forces = forces
-        self._pushes = _add_forces(self._world, forces, blocks, numbers)
-        laws, law_of = _laws_of(self.body_names, law_between)
+        self._world = World(d, scene.gravity_vector, alphas, scene.contact.velocity_solve)
+        for spec in scene.blocks:
+            pose, centre = placed[spec.name], centres[spec.name]
+            self._world.add(_body_of(self._world, spec, pose, centre))
+        self._world.add(_base_of(self._world, scene.platform() if self._moves else None, base))
+        numbers = {name: number for number, name in enumerate(self.body_names)}
+        for link in scene.links:
+            ends, at = placed | {GROUND: level(base)}, centres | {GROUND: base}
+            self._world.link(link_of(link, ends, at, numbers))
+        self._pushes = np.zeros((len(scene.forces), d))
+        """Forces at factor 1, N, (forces, d)."""
+        for k, force in enumerate(scene.forces):
+            shape, pose = shapes[force.on], placed[force.on]
+            self._world.force(numbers[force.on], arm_of(force, pose, shape, centres[force.on]))
+            self._pushes[k] = whole_force(force, pose, shape)
+        carriers = [[numbers[name] for name in spec.carriers] for spec in scene.blocks]
+        laws, law_of = _laws_of(self.body_names, scene.laws.between)
         self._world.begin(laws, law_of, [*carriers, []])
-        if tells_pairs:
+        if self._tells_pairs:
             self._world.tell_pairs()
-        self._tells_pairs = tells_pairs
         standing = [each[0] for each in carriers]
         self._written = BlockRows(list(shapes.values()), standing, self._rows)
         self._before = self._world.now()
         frames = rotation_matrices(self._before.rotation)
-        self._lean = self._written.lean(self._before, frames, np.zeros(len(blocks)))[0]
+        self._lean = self._written.lean(self._before, frames, np.zeros(len(shapes)))[0]
         self._first = float(self._before.stored.sum())
         self.first_pairs: Array = np.empty((0, 0))
         """The pairs of the trial step from which the forces of `row` are."""
-
-    @classmethod
-    def from_scene(cls, scene: Scene, blocks: Sequence[RigidBlock] | None = None) -> Self:
-        """The system of a scene of rigid blocks on rigid ground or an oscillator.
-
-        `blocks` are those of the scene where they start otherwise than the scene says.
-        """
-        platform = platform_of(scene)
-        return cls(
-            blocks or blocks_of(scene, (0.0, 0.0) if platform is None else platform.drift),
-            GeneralizedAlpha(scene.time.rho_inf),
-            gravity=scene.gravity_vector,
-            platform=platform,
-            velocity_solve=scene.contact.velocity_solve,
-            law_between=scene.laws.between,
-            tells_pairs=scene.output.pairs,
-            links=scene.links,
-            forces=scene.forces,
-        )
 
     @property
     def unknowns(self) -> int:
@@ -389,9 +311,9 @@ class RigidSystem:
         return -spin if self.dimension == 2 else spin.copy()
 
 
-def _body_of(world: World, block: RigidBlock) -> Body:
-    """A block as a body of the compiled world."""
-    shape, turn = block.shape, block.pose.rotation
+def _body_of(world: World, spec: BlockSpec, pose: Pose, place: Array) -> Body:
+    """A block as a body of the compiled world, with its centre at a place, m."""
+    shape, turn = spec.shape, pose.rotation
     centre = np.array(shape.centre_of_mass(len(turn)))
     if shape.solid is None:
         pieces = [(np.array(shape.corners(len(turn))) - centre, FACES)]
@@ -403,62 +325,27 @@ def _body_of(world: World, block: RigidBlock) -> Body:
             mass=shape.mass,
             thickness=shape.thickness,
             inertia=shape.rotary_inertia,
-            centre=block.centre,
+            centre=place,
             rotation=math.atan2(turn[1, 0], turn[0, 0]),
-            velocity=block.velocity,
-            spin=-np.asarray(block.angular_velocity),
+            velocity=spec.velocity,
+            spin=-np.array(spec.spins),
         )
     return Body(
         shape=[world.polyhedron(*piece) for piece in pieces],
         mass=shape.mass,
         inertia=shape.principal_inertias if shape.is_even else np.array(shape.inertia_tensor),
-        centre=block.centre,
+        centre=place,
         rotation=quaternion_of(turn),
-        velocity=block.velocity,
-        spin=turn.T @ np.broadcast_to(block.angular_velocity, 3),
+        velocity=spec.velocity,
+        spin=turn.T @ spec.spins,
     )
 
 
-def _add_links(
-    world: World,
-    links: Sequence[LinkSpec],
-    blocks: Sequence[RigidBlock],
-    numbers: Mapping[str, int],
-    base: Array,
-) -> None:
-    """Add links between bodies, by the numbers of these; the base is at a place, m."""
-    placed = {block.name: block.pose for block in blocks} | {GROUND: level(base)}
-    centres = {block.name: block.centre for block in blocks} | {GROUND: base}
-    for link in links:
-        world.link(link_of(link, placed, centres, numbers))
-
-
-def _add_forces(
-    world: World,
-    forces: Sequence[ForceSpec],
-    blocks: Sequence[RigidBlock],
-    numbers: Mapping[str, int],
-) -> Array:
-    """Add forces on blocks, by the numbers of these; returns them at factor 1, N, (forces, d)."""
-    found = np.zeros((len(forces), len(blocks[0].pose.place)))
-    for k, force in enumerate(forces):
-        block = blocks[numbers[force.on]]
-        world.force(numbers[force.on], arm_of(force, block.pose, block.shape, block.centre))
-        found[k] = whole_force(force, block.pose, block.shape)
-    return found
-
-
-def _place_of(platform: RigidPlatform | None, d: int) -> Array:
-    """Where the platform, or the ground, stands at the start, m, (d,)."""
-    return np.zeros(d) if platform is None else np.array([*platform.drift[: d - 1], 0.0])
-
-
-def _base_of(world: World, platform: RigidPlatform | None, d: int) -> Body:
-    """The ground, or the platform, whose inertia balances its spring at the start."""
+def _base_of(world: World, platform: Platform | None, place: Array) -> Body:
+    """The ground, or the platform at a place, m, whose inertia balances its spring at the start."""
     shape = world.half_space()
     if platform is None:
         return Body(shape=shape, mobility=Mobility.FIXED)
-    place = _place_of(platform, d)
     return Body(
         shape=shape,
         mobility=Mobility.PLATFORM,
