@@ -19,7 +19,7 @@ from solver.scene.cells import (
     mesh_of_file,
     mesh_of_shape,
 )
-from solver.scene.checking import OPEN, Checked, exactly_one, is_open, shown
+from solver.scene.checking import OPEN, Checked, exactly_one, is_open, refuse_length, shown
 from solver.scene.contact import FrictionSpec
 from solver.scene.container import ContainerName, Load, castings, mass_of, sizes_of
 from solver.scene.damping import (
@@ -31,7 +31,6 @@ from solver.scene.damping import (
     stiffness_damping,
 )
 from solver.scene.feet import (
-    Box,
     EvenFeetSpec,
     FootSpec,
     block_between_feet,
@@ -314,7 +313,7 @@ class BlockSpec(Checked):
         Where the density follows from the centre of mass, it must be negative nowhere.
         """
         for part in self.parts:
-            self._refuse_length("parts", part.start, dimension)
+            refuse_length("parts", part.start, dimension)
         refuse_parts(self.parts, self._sizes(dimension))
         if self.inertia is not None:
             if isinstance(self.inertia, tuple) != (dimension == 3):
@@ -324,19 +323,13 @@ class BlockSpec(Checked):
             refuse_inertia(self.inertia)
         low, high = self._ends(dimension)
         if self.centre_of_mass is not None:
-            self._refuse_length("centre_of_mass", self.centre_of_mass, dimension)
+            refuse_length("centre_of_mass", self.centre_of_mass, dimension)
             refuse_centre(self.centre_of_mass, low, high)
         if self.inertia is not None:
             body = self._body(dimension)
             refuse_spread(self.inertia, body.mass, body.centre_of_mass(dimension), low, high)
         elif self.centre_of_mass is not None:
             refuse_uneven(self._linear_density(self.centre_of_mass), self.model)
-
-    def _refuse_length(self, key: str, values: tuple[float, ...], dimension: int) -> None:
-        """Refuse a place that has not as many values as a scene has dimensions."""
-        if len(values) != dimension:
-            allowed = f"{dimension} values, each a finite number, where dimension = {dimension}"
-            raise SceneError(key, shown(values), allowed)
 
     def _sizes(self, dimension: int) -> tuple[float, ...]:
         """Its edges along x, in space y, and upwards, m."""
@@ -368,8 +361,7 @@ class BlockSpec(Checked):
         for key in ("offset_second", "tilt_direction_deg"):
             if dimension == 2 and getattr(self, key):
                 raise SceneError(key, shown(getattr(self, key)), "0 where dimension = 2")
-        if self.position is not None:
-            self._refuse_length("position", self.position, dimension)
+        refuse_length("position", self.position, dimension)
         sized = replace(self, **self._lengths_in(dimension))
         sized._feet_in(dimension)
         sized._check_spread(dimension)
@@ -398,10 +390,7 @@ class BlockSpec(Checked):
 
     def _extents(self, dimension: Dimension) -> tuple[float, ...]:
         """Sides of the box around a shape, or of the box above its feet, m."""
-        if self.given_shape is None:
-            return self._sizes(dimension)
-        solid = self._solid(dimension)
-        return tuple(float(side) for side in solid.high - solid.low)
+        return tuple(high - low for low, high in zip(*self._ends(dimension), strict=True))
 
     @property
     def is_box(self) -> bool:
@@ -438,7 +427,7 @@ class BlockSpec(Checked):
             return castings(self.container, self.scale, dimension)
         if self.feet is None:
             return ()
-        return single_feet(self.feet, Box(self.width, self.height, self.thickness), dimension)
+        return single_feet(self.feet, (self.width, self.thickness), dimension)
 
     def _solid(self, dimension: Dimension) -> Solid:
         """Its shape, which is given."""
@@ -460,7 +449,7 @@ class BlockSpec(Checked):
     def _velocity_in(self, dimension: Dimension) -> Vector:
         if is_open(self.velocity):
             return (0.0, 0.0) if dimension == 2 else (0.0, 0.0, 0.0)
-        self._refuse_length("velocity", self.velocity, dimension)
+        refuse_length("velocity", self.velocity, dimension)
         return self.velocity
 
     def _spin_in(self, dimension: Dimension) -> Rotation:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 from geometry.block import Block
 from geometry.tags import FINER
 from solver.errors import SceneError
-from solver.scene.checking import is_open, shown
+from solver.scene.checking import is_open, refuse_length, shown
 from solver.scene.quantities import Cell, Cells, Dimension
 
 if TYPE_CHECKING:
@@ -43,11 +43,7 @@ def cells_of(spec: HasCells, dimension: Dimension, default: Cells) -> Cells:
     """The numbers of cells in a scene of this dimension; SceneError if they do not fit."""
     if is_open(spec.cells):
         return default
-    if len(spec.cells) != dimension:
-        allowed = (
-            f"{dimension} values, each a whole number, cells >= 1, where dimension = {dimension}"
-        )
-        raise SceneError("cells", shown(spec.cells), allowed)
+    refuse_length("cells", spec.cells, dimension, "a whole number, cells >= 1")
     return spec.cells
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from geometry.block import Block
 from solver.errors import SceneError, Statement
@@ -58,26 +58,15 @@ def _sides_of(size: Sides) -> tuple[float, float]:
     return size if isinstance(size, tuple) else (size, size)
 
 
-class Box(NamedTuple):
-    """The block between its feet."""
-
-    width: float
-    """B, m."""
-    height: float
-    """H, m."""
-    thickness: float
-    """t, m."""
-
-
 def single_feet(
-    feet: EvenFeetSpec | tuple[FootSpec, ...], box: Box, dimension: Dimension
+    feet: EvenFeetSpec | tuple[FootSpec, ...], across: tuple[float, float], dimension: Dimension
 ) -> tuple[FootSpec, ...]:
-    """All feet, each for itself.
+    """All feet, each for itself, of a box by its width and thickness, m.
 
     Raises:
         SceneError: They reach beyond the box, or into each other.
     """
-    sides = (box.width, box.thickness)[: dimension - 1]
+    sides = across[: dimension - 1]
     if isinstance(feet, EvenFeetSpec):
         _refuse_pair(feet.size, "feet.size", dimension)
         size = _sides_of(feet.size)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, TypeAlias
 from geometry.block import Block
 from geometry.density import Tensor, Vector
 from solver.errors import SceneError, Statement, missing_key, not_applicable
-from solver.scene.checking import OPEN, Checked, is_open, shown
+from solver.scene.checking import OPEN, Checked, is_open, refuse_length
 from solver.scene.mass import inertia_tensor
 from solver.scene.quantities import Density, Dimension, Length, Number, Place, Position
 
@@ -153,9 +153,7 @@ class ShapeSpec(Checked):
             if dimension == 2 and getattr(self, key) not in (None, ()):
                 other = {"cylinder": " (a disc: regular = 100)"}.get(key, "")
                 raise not_applicable(f"shape.{key}", f"3-D scenes only{other}")
-        if self.at is not None and len(self.at) != dimension:
-            allowed = f"{dimension} values, each a finite number, where dimension = {dimension}"
-            raise SceneError("shape.at", shown(self.at), allowed)
+        refuse_length("shape.at", self.at, dimension)
         for part in self.union:
             part.in_dimension(dimension)
 
