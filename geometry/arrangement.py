@@ -30,12 +30,6 @@ class Pose:
         stand: Array = (points - self.about) @ self.rotation.T + self.place
         return stand
 
-    @property
-    def translation(self) -> Array:
-        """Position of the origin of the own frame, (d,), m: X -> rotation X + translation."""
-        origin: Array = self.place - self.rotation @ self.about
-        return origin
-
     def after(self, first: Pose) -> Pose:
         """The pose that first does `first`, then this one."""
         return Pose(

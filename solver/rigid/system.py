@@ -97,7 +97,7 @@ class RigidSystem:
         self._rows = EngineRows(shapes, scene.links, dimension=d, platform=self._moves)
         drift = drift_of(scene)
         base = np.array([*drift[: d - 1], 0.0])
-        placed = poses or scene.poses(drift=drift)
+        placed = dict(poses or scene.poses(drift=drift))
         centres = {name: centre_of(shape, placed[name]) for name, shape in shapes.items()}
         scheme = GeneralizedAlpha(scene.time.rho_inf)  # of the platform's spring
         alphas = scheme.alpha_m, scheme.alpha_f, scheme.beta

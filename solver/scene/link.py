@@ -138,11 +138,6 @@ class LinkSpec(Checked):
         return KINDS[self.kind].pulls
 
     @property
-    def can_slacken(self) -> bool:
-        """True if there are places of its ends at which no spring acts."""
-        return self.pulls or bool(self.gap or self.shear_gap)
-
-    @property
     def joined(self) -> tuple[str, str]:
         """The names of both bodies, the first that of a block."""
         first, second = self.between

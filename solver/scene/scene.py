@@ -216,7 +216,8 @@ class Scene(Checked):
         """Refuse keys of meshed scenes where nothing is meshed, and the other way round."""
         rigid = next((block.name for block in self.blocks if block.model == "rigid"), None)
         if not self.is_rigid:
-            self._refuse_unmeshed()
+            for where, _ in self._restitutions():  # a meshed body rebounds by itself
+                raise not_applicable(f"{where}.restitution", UNMESHED)
         for key in ("stiffness", "damping"):
             if self.is_rigid and getattr(self.contact, key):
                 what = "scenes with a meshed body only, block.restitution to rigid blocks"
@@ -227,11 +228,6 @@ class Scene(Checked):
         if self.time.adaptive and self.is_rigid:
             # Their steps are cut where bodies touch and where slips end, whatever `step` is.
             raise not_applicable("time.adaptive", "scenes with meshed bodies only")
-
-    def _refuse_unmeshed(self) -> None:
-        """Refuse keys for which a block has to rebound: a meshed one does by itself."""
-        for where, _ in self._restitutions():
-            raise not_applicable(f"{where}.restitution", UNMESHED)
 
     def _check_degree(self, block: BlockSpec) -> None:
         """Refuse quadratic tetrahedra with nodes: no rule has positive weights at the vertices."""

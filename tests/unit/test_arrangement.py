@@ -52,13 +52,6 @@ def test_refuses_lying_blocks(tilt):
         initial_position(SHAPE, (0.0,), tilt)
 
 
-def test_pose_as_rotation_and_translation():
-    pose = initial_position(SHAPE, (0.1,), 0.3)
-    np.testing.assert_allclose(
-        CORNERS @ pose.rotation.T + pose.translation, pose(CORNERS), atol=1e-15
-    )
-
-
 @pytest.mark.parametrize("tilt", [0.2, -0.2])
 @pytest.mark.parametrize("degrees", [0.0, 90.0, 180.0, -90.0, 35.0, 200.0])
 def test_blocks_in_space_lean_to_the_azimuth_over_their_lowest_point(degrees, tilt):
