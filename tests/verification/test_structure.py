@@ -150,7 +150,7 @@ def test_base_shear_balances_all_masses_in_each_step(
 
 
 def steps(case: Scene, count: int) -> Any:
-    """Rows of steps: base shear by forces on the ground and by masses, its parts at the feet, both upwards,
+    """Rows of steps: base shear by forces on the ground, by masses, and at the feet, both upwards,
     overturning moment by the column and by those of the feet.
     """
     assembly = build(case)
