@@ -22,6 +22,11 @@ NARROW = 2e-3
 """Relative width of the narrowest interval that is sought between two numbers of impacts."""
 
 
+def fate_of(*, overturns: bool, impacts: int) -> str:
+    """The fate of a block in words, by its impacts before it overturns."""
+    return (LATER if impacts else DIRECTLY) if overturns else STAYS
+
+
 @dataclass(frozen=True, slots=True)
 class Response:
     """Fate of a block under one pulse."""
@@ -42,7 +47,7 @@ class Response:
     @property
     def label(self) -> str:
         """The fate in words."""
-        return (LATER if self.impacts else DIRECTLY) if self.overturns else STAYS
+        return fate_of(overturns=self.overturns, impacts=self.impacts)
 
 
 Respond = Callable[[float], Response]
