@@ -32,7 +32,7 @@ from solver.study.tables import as_csv, write
 ENOUGH_FRICTION = 1.7
 """Friction with which no block slides that a sudden acceleration can rock (Shenton 1996)."""
 
-TOLERANCE = {"rigid": 1e-5, "ode": 1e-4, "elastic": 2e-3}
+TOLERANCE = {"rigid": 1e-5, "ode": 5e-5, "elastic": 2e-3}
 """Relative, of the amplitudes of boundaries."""
 
 
