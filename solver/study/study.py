@@ -220,7 +220,8 @@ class Study(ABC, Generic[Case]):
                 self.rows = finished(folder)
             else:
                 self._clear()
-            write(folder / SETTINGS, {**settings, HELD: held})
+            kept = {"command": options.repeated, **settings, HELD: held}
+            write(folder / SETTINGS, kept)
             (folder / CASES).mkdir(exist_ok=True)
         return self
 
