@@ -375,12 +375,13 @@ def test_speeds_at_impacts_of_both_edges() -> None:
 
 def test_the_force_of_a_film_is_below_the_centre_of_mass() -> None:
     """Flat on its bottom; on a corner it is there."""
-    half, off, up = np.array([0.125, 0.5]), np.array([0.16, 0.1]), np.array([[0.0, 1.0]])
-    flat = _foot(np.array([[0.0, 0.5]]), np.eye(2)[None], half, up, off)
+    corners, up = np.array([0.125, 0.5]) * [(x, y) for x in (-1, 1) for y in (-1, 1)], [[0.0, 1.0]]
+    heavy = np.array([0.02, 0.05])
+    flat = _foot(np.array([[0.0, 0.5]]), np.eye(2)[None], corners, np.array(up), heavy)
     assert flat[0] == pytest.approx([0.02, 0.0], abs=1e-9)
     c, s = math.cos(0.3), math.sin(0.3)
     turned = np.array([[[c, s], [-s, c]]])
-    leans = _foot(np.array([[0.0, 0.6]]), turned, half, up, off)
+    leans = _foot(np.array([[0.0, 0.6]]), turned, corners, np.array(up), heavy)
     corner = turned[0] @ [0.125, -0.5] + [0.0, 0.6]
     assert leans[0] == pytest.approx(corner, abs=1e-9)
 
