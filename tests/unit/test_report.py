@@ -34,7 +34,7 @@ def test_the_page_of_a_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
     assert capsys.readouterr().out == f"{folder / 'report.html'}\n"
     page = page_of(folder / "report.html")
     assert len(page.sources) == 7  # floor spectra among them: the stack is on a platform
-    for part in ("Summary", "Pictures", "Energy", "Scene", "How to repeat"):
+    for part in ("energy: ", "Blocks", "Pictures", "Scene", "How to repeat"):
         assert part in page.text
     assert "the <mesh> is coarse" in page.text
     # 0.1 rad, and 0.04 m of slip
