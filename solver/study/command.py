@@ -25,7 +25,7 @@ def add_studies(parser: argparse.ArgumentParser) -> None:
     for name, (text, add_options, _) in STUDIES.items():
         added = names.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
         add_options(added)
-        added.set_defaults(action=run_study)
+        added.set_defaults(action=run_study, repeated=f"rockslip study {name}")
 
 
 def run_study(options: argparse.Namespace) -> int:

@@ -38,12 +38,15 @@ from solver.run.streams import say
 from solver.scene.checking import nearest, shown
 from solver.scene.reader import differing
 from solver.study.pool import Named, finished_cases, reason_of
-from solver.study.tables import write
+from solver.study.tables import as_csv, column_names, write
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SETTINGS, CASES, SUMMARY = "settings.json", "cases", "summary.json"
+
+ENDINGS = ("csv", "txt", "md", "png")
+"""Endings of the files that have the name of a study."""
 
 HELD = "held"
 """Key of the settings for what a study that is resumed is compared with."""
@@ -68,7 +71,8 @@ class Study(ABC, Generic[Case]):
         kind: The name of its command, of its table, and the ending of its folder.
         noun: What it is, for errors.
         same: What a study that is resumed must have in common with the earlier one, in words.
-        files: Names or patterns of what it leaves besides the settings; `--force` removes these.
+        files: Names or patterns of what it leaves besides the settings, the summary, and files of
+            its own name; `--force` removes all of these.
         folders: Names of its folders besides that of the cases.
 
     Attributes:
@@ -83,7 +87,7 @@ class Study(ABC, Generic[Case]):
     kind: ClassVar[str]
     noun: ClassVar[str]
     same: ClassVar[str]
-    files: ClassVar[tuple[str, ...]]
+    files: ClassVar[tuple[str, ...]] = ()
     folders: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, options: argparse.Namespace):
@@ -126,6 +130,27 @@ class Study(ABC, Generic[Case]):
         return len(self.completed) == len(self.cases)
 
     # ------------------------------------------------------------ the same for all
+
+    def leave(
+        self,
+        table: Sequence[Mapping[str, Any]],
+        text: str,
+        summary: Mapping[str, Any],
+        *,
+        names: Sequence[str] | None = None,
+        digits: int | None = None,
+    ) -> None:
+        """Write what was found: the table, the text, and what is for programs.
+
+        The text is Markdown where it begins with a title. Columns and digits are as of `as_csv`; no
+        names: all columns there are, in the order of the row that has most of them.
+        """
+        if names is None:  # a case that failed has few
+            names = column_names(sorted(table, key=len, reverse=True))
+        ending = "md" if text.startswith("# ") else "txt"
+        write(self.folder / f"{self.kind}.csv", as_csv(table, names, digits))
+        write(self.folder / f"{self.kind}.{ending}", text)
+        write(self.folder / SUMMARY, summary)
 
     def draw(self, name: str, picture: Callable[..., Figure], *told: Any) -> None:
         """Draw a picture of what it is told, into a file of that name."""
@@ -232,7 +257,8 @@ class Study(ABC, Generic[Case]):
         if others and "version" not in read_mapping(self.folder / SETTINGS):
             got = f"{self.folder}, which holds {others[0].name}/, but no study"
             raise SceneError("-o", got, "another folder")
-        for pattern in (SETTINGS, REPORT, *self.files):
+        own = (f"{self.kind}.{ending}" for ending in ENDINGS)
+        for pattern in (SETTINGS, SUMMARY, REPORT, *own, *self.files):
             for file in self.folder.glob(pattern):
                 file.unlink()
         for folder in folders:

@@ -47,11 +47,7 @@ class _Impacts(Study[DampingCase]):
 
     kind, noun = "damping", "study of damping"
     same = "the same scene and block"
-    files = (
-        *("damping.csv", "damping.md", "damping*.png", "histories_*.png"),
-        *("calibration.csv", "calibration.md", "calibration.png", "calibrated.toml"),
-        SUMMARY,
-    )
+    files = ("damping*.png", "histories_*.png", "calibration.*", "calibrated.toml")
 
     def __init__(self, options: argparse.Namespace):
         """Read the scene, and find the block whose impacts count."""
@@ -112,17 +108,14 @@ class SweepStudy(_Impacts):
         cells = numbers.words(whole, swept, impacts)
         told = list(numbers.remarks(whole, swept, found))
         title = self.base.scene.title or "Restitution of impacts"
-        names = column_names(sorted(whole, key=len, reverse=True))
-        write(self.folder / "damping.csv", as_csv(whole, names, digits=8))
         page = numbers.markdown(title, cells, told, early_ends(whole))
-        write(self.folder / "damping.md", page)
         summary = {
             "block": self.base.block.name,
             "impacts": impacts,
             "scene": None if own is None else numbers.measures(own),
             "lines": [numbers.as_json(line) for line in found],
         }
-        write(self.folder / SUMMARY, summary)
+        self.leave(whole, page, summary, digits=8)
         self._draw([line for line in found if line.values], own)
         return numbers.plain_text(cells, told, early_ends(whole))
 

@@ -21,19 +21,19 @@ from solver.study.inertia.cells import Cell, Structure, cells_of, chosen, ladder
 from solver.study.inertia.numbers import (
     Finding,
     Line,
-    csv_text,
     differences,
     entry_of,
     grid,
     markdown,
+    row_of,
     widest,
 )
 from solver.study.inertia.sliding import STEPS, fixed_drifts, jumps, peaks
 from solver.study.scenes import Tables, refuse_components, refuse_joined, scene_tables
-from solver.study.study import SUMMARY, Row, Study, digest
+from solver.study.study import Row, Study, digest
 from solver.study.suite.cases import SuiteCase, scene_of
 from solver.study.suite.motions import SuiteMotion, find_motions
-from solver.study.tables import groups, write
+from solver.study.tables import column_names, groups
 
 COUNT = 300
 """Default number of synthetic motions."""
@@ -186,7 +186,7 @@ class InertiaStudy(Study[SlidingCase | BlockCase]):
     """
 
     kind, noun, same = "inertia", "study of inertia", "the same scene"
-    files = ("inertia.csv", "inertia.md", SUMMARY, "*.png")
+    files = ("*.png",)
 
     def __init__(self, options: argparse.Namespace):
         """Read the command line, and refuse cells that no way can compute."""
@@ -305,9 +305,8 @@ class InertiaStudy(Study[SlidingCase | BlockCase]):
             "cells": [entry_of(finding) for finding in findings],
             "failed": dict(sorted(failed.items())),
         }
-        write(self.folder / "inertia.csv", csv_text(findings))
-        write(self.folder / "inertia.md", text)
-        write(self.folder / SUMMARY, summary)
+        table = [row_of(finding) for finding in findings]
+        self.leave(table, text, summary, names=column_names(table), digits=10)
         self._draw(list(lines.values()), findings)
         return text
 

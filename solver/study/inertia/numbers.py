@@ -15,7 +15,7 @@ from typing import Any, Self
 import numpy as np
 
 from solver.study.inertia.cells import Cell, Structure
-from solver.study.tables import as_csv, column_names, in_markdown
+from solver.study.tables import in_markdown
 from solver.types import Array
 
 LEAST, MOST, SPACING = -0.5, 1.5, 0.01
@@ -363,12 +363,6 @@ HEADING = (
     *("base shear / fixed", "base shear / empty", "all roots, remark"),
 )
 """Words above the columns that follow those of the axes."""
-
-
-def csv_text(findings: Sequence[Finding]) -> str:
-    """All numbers, with ten digits."""
-    rows = [row_of(finding) for finding in findings]
-    return as_csv(rows, column_names(rows), digits=10)
 
 
 def words(findings: Sequence[Finding]) -> list[list[str]]:

@@ -26,8 +26,7 @@ from solver.study.overturning.blocks import (
 from solver.study.overturning.boundaries import STAYS, Boundary, boundaries, near
 from solver.study.overturning.numbers import NAMES, as_text, boundary_rows, differences, kinds
 from solver.study.scenes import Tables, is_elastic, standing_block, variant
-from solver.study.study import SUMMARY, Row, Study, numbers, words
-from solver.study.tables import as_csv, write
+from solver.study.study import Row, Study, numbers, words
 
 ENOUGH_FRICTION = 1.7
 """Friction with which no block slides that a sudden acceleration can rock (Shenton 1996)."""
@@ -121,7 +120,7 @@ class OverturningStudy(Study[OverturningCase]):
 
     kind, noun = "overturning", "study of overturning"
     same = "the same scene, amplitudes and samples"
-    files = ("overturning.csv", "overturning.txt", SUMMARY, "overturning.png", "restitution.png")
+    files = ("restitution.png",)
 
     def __init__(self, options: argparse.Namespace):
         """Read the command line."""
@@ -201,10 +200,9 @@ class OverturningStudy(Study[OverturningCase]):
             return ""
         edges = boundary_rows(done, self.restitutions[0])
         text = as_text(edges)
-        write(self.folder / "overturning.csv", as_csv(edges, NAMES))
-        write(self.folder / "overturning.txt", text)
         counts = {"cases": len(self.cases), "completed": len(done)}
-        write(self.folder / SUMMARY, counts | {"largest_difference": differences(edges)})
+        summary = counts | {"largest_difference": differences(edges)}
+        self.leave(edges, text, summary, names=NAMES)
         self._draw(done)
         return text
 
