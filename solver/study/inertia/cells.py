@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from copy import deepcopy
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -14,6 +13,7 @@ from solver.excitation.layouts.text import number_in
 from solver.scene import BlockSpec, Platform, Scene, parse_scene
 from solver.scene.checking import nearest, shown
 from solver.scene.time import rounded_down
+from solver.study.scenes import with_model
 from solver.study.study import by_name
 
 AXES = {
@@ -171,7 +171,7 @@ def step_of(blocks: Iterable[BlockSpec], structure: Structure) -> float:
 
 def tables_of(tables: Mapping[str, Any], cell: Cell, model: str) -> dict[str, Any]:
     """The scene of a cell as plain tables; `model`: of all blocks."""
-    made, structure = deepcopy(dict(tables)), cell.structure
+    made, structure = with_model(tables, model), cell.structure
     blocks = parse_scene(dict(tables)).blocks
     made["foundation"] = {
         "kind": "oscillator",
@@ -182,7 +182,6 @@ def tables_of(tables: Mapping[str, Any], cell: Cell, model: str) -> dict[str, An
     law = {"static": cell.friction, "dynamic": structure.dynamic * cell.friction}
     made.setdefault("contact", {})["friction"] = law
     for block, spec in zip(made["block"], blocks, strict=True):
-        block["model"] = model
         if spec.carrier == "foundation":
             block.pop("friction", None)
         if cell.aspect is not None:
