@@ -32,6 +32,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, Self, TypeVa
 
 from solver import VERSION
 from solver.errors import NotConverged, SceneError
+from solver.excitation.layouts.text import number_in
 from solver.parallel import Comm, abort_on_exceptions, on_first_rank
 from solver.run.folders import REPORT, hold_folder, make_folder, unusable_is_refused
 from solver.run.streams import say
@@ -355,6 +356,24 @@ def by_name(option: str, words: Sequence[str], allowed: str) -> dict[str, list[s
         if not name or name in found or not all(values) or len(set(values)) < len(values):
             raise SceneError(option, shown(word), f"{allowed}, each name and value once")
         found[name] = values
+    return found
+
+
+def numbers_by_name(
+    option: str, words: Sequence[str], known: Sequence[str], allowed: str
+) -> dict[str, tuple[float, ...]]:
+    """The numbers that the words of an option give to each of the names that are known.
+
+    As `by_name`; SceneError where a name is not known, a value is no number, or one comes twice.
+    """
+    found: dict[str, tuple[float, ...]] = {}
+    for name, texts in by_name(option, words, allowed).items():
+        if name not in known:
+            raise SceneError(option, shown(name), ", ".join(known), nearest(name, known))
+        values = [number_in(text) for text in texts]
+        found[name] = tuple(value for value in values if value is not None)
+        if len(set(found[name])) < len(texts):
+            raise SceneError(option, shown(f"{name}={','.join(texts)}"), allowed)
     return found
 
 

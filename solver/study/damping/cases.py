@@ -14,10 +14,10 @@ from solver.run.streams import say
 from solver.scene import parse_scene
 from solver.study.damping import numbers
 from solver.study.damping.axes import (
+    ALLOWED,
     AXES,
     BaseScene,
     DampingCase,
-    chosen_axes,
     sweep,
     time_for,
     watched,
@@ -25,7 +25,7 @@ from solver.study.damping.axes import (
 from solver.study.damping.calibration import Search, Trial, target_of
 from solver.study.damping.numbers import Restitution, restitution_of
 from solver.study.scenes import scene_tables
-from solver.study.study import CASES, SUMMARY, Row, Study
+from solver.study.study import CASES, SUMMARY, Row, Study, numbers_by_name
 from solver.study.tables import as_csv, column_names, early_ends, write
 from solver.types import Array
 
@@ -157,7 +157,9 @@ class Calibration(_Impacts):
         if options.at:
             raise SceneError("--at", " ".join(options.at), "nothing with --target")
         able = [axis.name for axis in AXES.values() if axis.bounds is not None]
-        (name, values), *others = chosen_axes(options.of or able[:1], "--of").items()
+        (name, values), *others = numbers_by_name(
+            "--of", options.of or able[:1], tuple(AXES), ALLOWED
+        ).items()
         axis = AXES[name]
         if others or axis.bounds is None:
             allowed = f"{' or '.join(able)} with --target"
