@@ -324,17 +324,7 @@ def _collision(met: Meeting) -> Event:
         striking, struck = first, second
     else:
         striking, struck = second, first
-    return Event(
-        time_s=met.time_s,
-        kind="collision",
-        block=striking,
-        meets=struck,
-        velocity_before_m_s=-met.approach_m_s,
-        velocity_after_m_s=met.departure_m_s,
-        impulse_Ns=met.impulse_Ns,
-        energy_lost_J=met.energy_lost_J,
-        impulse_tangential_Ns=met.impulse_tangential_Ns,
-    )
+    return Event(time_s=met.time_s, kind="collision", block=striking, meets=struck, **met.measures)
 
 
 class _Search:
@@ -536,22 +526,16 @@ class _Search:
 
     def _exact(self, event: Event, met: Meeting) -> Event:
         """An event at the instant and with the velocities and impulses that the engine has."""
-        known: dict[str, Any] = {}
-        for when, spin in (("before", met.spin_rad_s), ("after", met.later_spin_rad_s)):
-            name = f"angular_velocity_{when}_rad_s"
-            known[name] = self._turning(met, spin)
-            if math.isnan(known[name]):
-                known[name] = getattr(event, name)
+        turning: dict[str, Any] = {
+            "angular_velocity_before_rad_s": self._turning(met, met.spin_rad_s),
+            "angular_velocity_after_rad_s": self._turning(met, met.later_spin_rad_s),
+        }
         return replace(
             event,
             time_s=met.time_s,
             meets=met.second if met.first == self._block.name else met.first,
-            velocity_before_m_s=-met.approach_m_s,
-            velocity_after_m_s=met.departure_m_s,
-            impulse_Ns=met.impulse_Ns,
-            energy_lost_J=met.energy_lost_J,
-            impulse_tangential_Ns=met.impulse_tangential_Ns,
-            **known,
+            **met.measures,
+            **{name: spin for name, spin in turning.items() if not math.isnan(spin)},
         )
 
     def _turning(self, met: Meeting, spin: tuple[float, ...]) -> float:
