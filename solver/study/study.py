@@ -9,8 +9,8 @@ A study is a subclass of `Study` in `solver/study/NAME/cases.py`:
   row: a mapping that JSON can hold, with "status" and "reason". Cases run in other processes;
 - `rounds()` is overridden where the cases of one round follow from the rows of the rounds before;
 - `keep(case, row)` is overridden where a row has parts that go into files of their own;
-- `write()` leaves (`leave`) and draws (`draw`) what `completed` (or `ordered`) rows say, and returns
-  what is said of them.
+- `write()` leaves (`leave`) and draws (`draw`) what `completed` (or `ordered`) rows say, and
+  returns that in words.
 
 `solver/study/command.py` has the options of all studies and calls `Study.run(options)`, which does
 the rest, the same on any number of ranks: claims the folder, or refuses to write over another one;
