@@ -58,7 +58,8 @@ template <int d> struct Contact {
     State state;
     bool slips;
     bool closed;           // at the end of the step
-    double rubbed;         // energy that friction took in the step, J
+    double lost;           // energy that the contact took in the step, J
+    double rubbed;         // and its friction, J
     double end_gap;        // m
     double dt;             // length of the step, s
 };

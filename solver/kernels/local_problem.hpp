@@ -80,7 +80,8 @@ template <int d> class LocalProblem {
             e = error(island, 0);
             break;
         }
-        if (e > ENOUGH) {
+        loose_ = e > ENOUGH;
+        if (loose_) {
             outcomes.loose++;
             outcomes.loosest = std::max(outcomes.loosest, e);
         }
@@ -97,21 +98,34 @@ template <int d> class LocalProblem {
         return take(island);
     }
 
+    /// Whether the last `finish` left more of the law than is tolerated.
+    bool is_loose() const { return loose_; }
+
     /// Takes impulses that do not obey the law, as far as they gain no energy, and writes motions and y;
     /// false beyond numbers.
     bool take(I& island) {
-        // P.G w is twice the work of the impulses, and P.G (w - w_free) is not negative.
-        island.move();
-        double with = 0, without = 0;
-        for (const C* k : island.contacts) {
-            with += dot(k->impulse, island.moved(*k, island.w));
-            without += dot(k->impulse, island.moved(*k, island.free));
-        }
-        if (with > 0)
-            for (C* k : island.contacts) k->impulse = std::max(without / (without - with), 0.0) * k->impulse;
-        const bool finite = keep(island);
+        const bool finite = take_back_gain(island);
         largest_defect = std::max(largest_defect, breach_);
         return finite;
+    }
+
+    /// Reduces the impulses of contacts in a step to what gains no energy, and writes motions and y; false
+    /// beyond numbers. Springs of links may give back what they took.
+    bool take_back_gain(I& island) {
+        island.move();
+        // P.G w is twice the work of the impulses, of which P.G M^-1 G^T P grows with their square.
+        x_.assign(island.w.size(), {});
+        double work = 0, own = 0;
+        for (const C* k : island.contacts)
+            if (!k->link) {
+                work += dot(k->impulse, island.moved(*k, island.w));
+                island.push(*k, k->impulse, x_);
+            }
+        for (std::size_t b = 0; b < x_.size(); b++) own += dot(x_[b], mul(island.inverse_mass[b], x_[b]));
+        if (work > 0)
+            for (C* k : island.contacts)
+                if (!k->link) k->impulse = std::max(1 - work / own, 0.0) * k->impulse;
+        return keep(island);
     }
 
     /// Keeps the impulses, whatever the law says, and writes motions and y; false beyond numbers.
@@ -461,6 +475,7 @@ template <int d> class LocalProblem {
     }
 
     double breach_ = 0, merit_ = 0;
+    bool loose_ = false;
     long stamps_ = 0;
     InteriorPoint<d> interior_point_;
     BlockLU<unknowns> single_;

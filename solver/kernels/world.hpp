@@ -806,6 +806,7 @@ template <int d> class World {
                 kept = true;
                 continue;
             }
+            if (!kept && local.is_loose() && !local.take_back_gain(island)) return false;
             off = take_motions(A, island, dt);
             bool again = off > 100 * enough;
             if (again)
@@ -952,6 +953,7 @@ template <int d> class World {
         const double lost = -0.5 * dot(k.impulse, moved);
         ledger.friction += rubbed;
         ledger.contact += lost - rubbed;
+        k.lost = lost;
         k.rubbed = rubbed;
         k.closed = k.state != OPEN || 0.5 * dt * k.y[0] < 1e-11 * size_;
         if (k.state != OPEN && k.state != STICK && !k.slips) k.state = STICK;
@@ -1029,7 +1031,7 @@ template <int d> class World {
         step_reading_.resize(count);
         before_.resize(count);
         state_.resize(count);
-        double taken = 0, power = 0, quiet = 0;
+        double rubbed = 0, lost_before = 0, power = 0, quiet = 0;
         bool lands = false;
         start_instant(A, island);
         for (std::size_t i = 0; i < count; i++) {
@@ -1037,7 +1039,8 @@ template <int d> class World {
             step_impulse_[i] = k.impulse;
             step_reading_[i] = k.y;
             state_[i] = k.state;
-            taken += k.rubbed;
+            rubbed += k.rubbed;
+            lost_before += k.lost;
             lands |= k.gap > TOUCHING * size_ && k.state != OPEN;
             island.push(k, -1.0 * k.impulse, island.free);
         }
@@ -1050,7 +1053,8 @@ template <int d> class World {
             island.free[j] = island.w[j] + mul(island.inverse_mass[j], island.free[j]);
             quiet += 1e-20 * bodies[island.bodies[j]].mass * dt * dt * dot(gravity, gravity);
         }
-        taken = std::max(taken, 0.0);
+        // What the step gained beside its friction may not be given back once more.
+        const double taken = std::max(std::min(rubbed, lost_before), 0.0);
         for (int rung = lands ? 0 : 1; rung < 4; rung++) {
             for (std::size_t i = 0; i < count; i++) set_rung(*island.contacts[i], step_impulse_[i], state_[i], rung);
             if (!local.solve(island) || !local.finish(island)) continue;
