@@ -62,23 +62,24 @@ template <int d> class LocalProblem {
     /// round-off is left of it. Forces at rest are to last: they are brought further.
     bool finish(I& island, bool at_rest = false) {
         const double enough = at_rest ? 0.01 : ENOUGH;
-        double e = error(island, 0);
+        double e = error(island, 0), q = SOFTNESS;
         const std::size_t count = island.contacts.size();
         for (int round = 0; round < FINISHING_ROUNDS && e > enough; round++) {
             kept_.resize(count);
             anchor_.resize(count);
             for (std::size_t i = 0; i < count; i++) kept_[i] = anchor_[i] = island.contacts[i]->impulse;
-            const bool settled = newton(island, SOFTNESS, FULL_STEPS + 8, std::min(enough, 1.0));
+            const bool settled = newton(island, q, FULL_STEPS + 8, std::min(enough, 1.0));
             const double next = settled || at_rest ? error(island, 0) : INFINITY;
-            if (next < e) {
-                const bool stalls = next > 0.5 * e;
-                e = next;
-                if (stalls) break;
-                continue;
+            const bool stalls = !(next <= 0.5 * e);
+            if (next < e) e = next;
+            else {
+                restore(island, kept_);
+                e = error(island, 0);
             }
-            restore(island, kept_);
-            e = error(island, 0);
-            break;
+            if (!stalls) continue;
+            // Where bodies are nearly wedged, the term holds impulses as strongly as the law moves them.
+            if (e <= ENOUGH || q <= HARDEST) break;
+            q *= 0.01;
         }
         loose_ = e > ENOUGH;
         if (loose_) {
@@ -144,6 +145,7 @@ template <int d> class LocalProblem {
     static constexpr double ROUND_OFF = 64 * 2.2e-16;  // relative to the largest of all
     static constexpr double ENOUGH = 10;               // times what is tolerated: no need to go on
     static constexpr double SOFTNESS = 1e-5;           // q of the proximal term
+    static constexpr double HARDEST = 1e-9;            // least q, where the law is nearly singular
     static constexpr double MOST_HELD = 3;             // of the compliance in it, times the least in the island
     static constexpr double SOFTEST = 1e4;
     static constexpr int FULL_STEPS = 10, ROUNDS = 60, PROXIMAL_ROUNDS = 40, FINISHING_ROUNDS = 30, SWEEPS = 1500;
