@@ -120,6 +120,10 @@ def _error_runtime(parser: argparse.ArgumentParser) -> None:
         "--beside", metavar="FILE", type=Path,
         help="CSV with points of other programs: program, measure, error, seconds, note",
     )  # fmt: skip
+    add(
+        "--answer", metavar="SCENE", type=Path,
+        help="another scene, with the same rigid-body answer, such as one in the plane",
+    )  # fmt: skip
 
 
 def _horizon(parser: argparse.ArgumentParser) -> None:
