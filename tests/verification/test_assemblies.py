@@ -29,7 +29,7 @@ def test_wedged_bodies_are_settled(seed: int) -> None:
 
 
 def test_a_solution_that_is_not_sharp_gains_nothing() -> None:
-    """A wall whose bricks weigh up to 7000 times as much as others: what is left of the law works."""
+    """A wall whose bricks weigh up to 7000 times as much as others."""
     assembly, steps = Assembly(13090), 310
     world, shift = assembly.world, np.zeros((steps, assembly.d))
     taken = world.now().followed_by(
