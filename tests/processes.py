@@ -21,9 +21,31 @@ def outside_mpirun() -> dict[str, str]:
 def on_ranks(ranks: int, folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
     """A command of rockslip in a folder, under mpirun where there are several ranks."""
     launch = ["mpirun", "--oversubscribe", "-n", str(ranks)] if ranks > 1 else []
+    return _started([*launch, sys.executable, "-m", "solver", *words], folder)
+
+
+SEVERAL = """
+import sys
+from solver.cli import main
+
+for name in sys.argv[1:]:
+    code = main(["run", f"{name}.toml", "-q", "-o", name])
+    if code:
+        sys.exit(code)
+"""
+
+
+def runs_on_two_ranks(folder: Path, *names: str) -> None:
+    """Run NAME.toml of a folder into its folder NAME, all in one start of two ranks."""
+    launch = ["mpirun", "--oversubscribe", "-n", "2"]
+    done = _started([*launch, sys.executable, "-c", SEVERAL, *names], folder)
+    assert done.returncode == 0, done.stderr
+
+
+def _started(command: list[str], folder: Path) -> subprocess.CompletedProcess[str]:
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
     return subprocess.run(
-        [*launch, sys.executable, "-m", "solver", *words],
+        command,
         cwd=folder,
         env=environment,
         capture_output=True,
