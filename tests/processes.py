@@ -18,10 +18,25 @@ def outside_mpirun() -> dict[str, str]:
     return {k: v for k, v in os.environ.items() if not k.startswith(("PMIX_", "OMPI_COMM_"))}
 
 
+def python(
+    *words: str | Path, ranks: int = 1, folder: Path | None = None, **environment: str
+) -> subprocess.CompletedProcess[str]:
+    """Python in a folder, under mpirun where there are several ranks; with its output."""
+    launch = ["mpirun", "--oversubscribe", "-n", str(ranks)] if ranks > 1 else []
+    return subprocess.run(
+        [*launch, sys.executable, *words],
+        cwd=folder,
+        env=outside_mpirun() | {"PYTHONPATH": str(ROOT)} | environment,
+        capture_output=True,
+        text=True,
+        timeout=600,
+        check=False,
+    )
+
+
 def on_ranks(ranks: int, folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
     """A command of rockslip in a folder, under mpirun where there are several ranks."""
-    launch = ["mpirun", "--oversubscribe", "-n", str(ranks)] if ranks > 1 else []
-    return _started([*launch, sys.executable, "-m", "solver", *words], folder)
+    return python("-m", "solver", *words, ranks=ranks, folder=folder, OMP_NUM_THREADS="1")
 
 
 SEVERAL = """
@@ -37,19 +52,5 @@ for name in sys.argv[1:]:
 
 def runs_on_two_ranks(folder: Path, *names: str) -> None:
     """Run NAME.toml of a folder into its folder NAME, all in one start of two ranks."""
-    launch = ["mpirun", "--oversubscribe", "-n", "2"]
-    done = _started([*launch, sys.executable, "-c", SEVERAL, *names], folder)
+    done = python("-c", SEVERAL, *names, ranks=2, folder=folder, OMP_NUM_THREADS="1")
     assert done.returncode == 0, done.stderr
-
-
-def _started(command: list[str], folder: Path) -> subprocess.CompletedProcess[str]:
-    environment = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
-    return subprocess.run(
-        command,
-        cwd=folder,
-        env=environment,
-        capture_output=True,
-        text=True,
-        timeout=600,
-        check=False,
-    )
