@@ -20,7 +20,7 @@ pytestmark = pytest.mark.serial
 G = 9.81
 BAR: dict[str, Any] = {
     **{"model": "elastic", "width": 1.0, "height": 0.1, "mass": 1000.0},
-    **{"poisson": 0.0, "cells": [40, 1], "friction": 0.0, "damping": {"stiffness": 0.0}},
+    **{"poisson": 0.0, "cells": [48, 2], "friction": 0.0, "damping": {"stiffness": 0.0}},
 }
 
 
