@@ -1,12 +1,14 @@
 """Times and accuracy of rigid bodies that meet each other, beside MuJoCo.
 
     ./in-env python3 -m benchmarks.rigid_world.beside [--mujoco PYTHON] [NAME ...]
+    ./in-env python3 -m benchmarks.rigid_world.beside --asked      # times beside those asked for
 
 `--mujoco` names a Python that has mujoco, in an environment of its own (`python3 -m venv DIR &&
 DIR/bin/pip install mujoco`); without it this program runs alone. Writes
 `benchmarks/rigid_world.csv`, a row for each scene and program: processor time a step with the rows
-of the history, and what the time may be at most; deepest overlap; largest way of a centre. Run it
-on a machine that does nothing else.
+of the history, and what the time may be at most; deepest overlap; largest way of a centre.
+`--asked` prints the least of three times of each scene that has such a limit. Run it on a machine
+that does nothing else.
 """
 
 from __future__ import annotations
@@ -15,6 +17,7 @@ import argparse
 import json
 import math
 import subprocess
+import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
@@ -166,14 +169,35 @@ def rows(names: list[str], python: str | None) -> Iterator[Row]:
             yield row
 
 
-def main() -> None:
+def asked() -> bool:
+    """Print times beside those that are asked for; True if all are within."""
+    within = True
+    for name, case in CASES.items():
+        if case.most is None:
+            continue
+        scene = parse_scene(case.tables())
+        least = min(ours(case, scene)["ms_a_step"] for _ in range(3))
+        within &= least <= case.most
+        print(
+            f"{name}: {case.steps} steps in {least * case.steps / 1e3:.3g} s,",
+            f"{least:.3g} ms a step, at most {case.most:.3g} asked:",
+            "within" if least <= case.most else "TOO SLOW",
+            flush=True,
+        )
+    return within
+
+
+def main() -> int:
     """Run all and write the table."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
     parser.add_argument("names", nargs="*", metavar="NAME", help="scenes; default: all")
     parser.add_argument("--mujoco", metavar="PYTHON", help="a Python that has mujoco")
+    parser.add_argument("--asked", action="store_true", help="times beside those asked for, alone")
     options = parser.parse_args()
+    if options.asked:
+        return 0 if asked() else 1
     if unknown := [name for name in options.names if name not in CASES]:
         parser.error(f"{unknown[0]}: allowed {', '.join(CASES)}")
     found = rows(options.names, options.mujoco)
@@ -181,7 +205,8 @@ def main() -> None:
         list(found)
     else:
         write_table(TABLE, found)
+    return 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

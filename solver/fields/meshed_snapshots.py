@@ -86,8 +86,6 @@ class Snapshots:
 
     def close(self) -> None:
         """Finish the files."""
-        for body in self._bodies:
-            body.close()
         self._files.close()
 
 
@@ -176,10 +174,6 @@ class MeshedFields:
         touched = np.where(slips, float(NodeState.SLIPS), float(NodeState.STICKS))
         state[own] = np.where(state[own] < NodeState.SLIPS, touched, state[own])
 
-    def close(self) -> None:
-        """Finish the files."""
-        self._writer.close()
-
 
 class ReducedFields(MeshedFields):
     """The fields of a reduced body on the mesh that it stands for; on rank 0, which has it all."""
@@ -215,10 +209,6 @@ class HeldFields:
         """Write the plate."""
         self._writer.write(time, *self._functions.arrays())
 
-    def close(self) -> None:
-        """Finish the files."""
-        self._writer.close()
-
 
 class MeshedLinks:
     """The links of a run, whose ends are where bodies carry them, bent as they are."""
@@ -234,10 +224,6 @@ class MeshedLinks:
         places = attached.attachments.values(state.u)
         ends = np.array([places[list(link.ends)] for link in attached.links.links])
         self._lines.write(time, ends, attached.links.numbers(state.body_links))
-
-    def close(self) -> None:
-        """Finish the files."""
-        self._lines.close()
 
 
 class RigidFields:
@@ -263,7 +249,3 @@ class RigidFields:
         moved = body.material_positions(self._corners, pose) - self._corners
         fields = rigid_fields(moved, body.rows(self._corners, pose) @ speed)
         self._writer.write(time, fields, {})
-
-    def close(self) -> None:
-        """Finish the files."""
-        self._writer.close()

@@ -11,6 +11,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
+from typing import Any
 
 from solver.errors import SceneError
 
@@ -86,6 +87,17 @@ class Meeting:
     """Angular velocity of the first against the second before, in space, or anticlockwise."""
     later_spin_rad_s: tuple[float, ...]
     """And after; nan where it is not known."""
+
+    @property
+    def measures(self) -> dict[str, Any]:
+        """What an event of the first against the second tells of it, by the names of `Event`."""
+        return {
+            "velocity_before_m_s": -self.approach_m_s,
+            "velocity_after_m_s": self.departure_m_s,
+            "impulse_Ns": self.impulse_Ns,
+            "energy_lost_J": self.energy_lost_J,
+            "impulse_tangential_Ns": self.impulse_tangential_Ns,
+        }
 
     def joined(self, later: Meeting) -> Meeting:
         """This one and one of the same bodies shortly after it, as one."""

@@ -41,8 +41,8 @@ STAGNANT_TOLERANCE = 1e-9
 
 ROUND_OFFS = 3.0
 """Least residual that counts as zero, over the estimate of its round-off: round-off is to decide
-nothing. In the demo and in the scenes of `benchmarks/feature_cost.py`, what is left when no
-correction helps is 0.3 to 1.3 of the estimate."""
+nothing. In the demo and on every kind of foundation, in the plane and in space, what is left when
+no correction helps is 0.3 to 1.3 of the estimate."""
 
 
 class Balance(NamedTuple):
@@ -158,6 +158,7 @@ class Contact(NamedTuple):
         kinematics: Their gaps and tangential positions.
         force: Point forces f, (points, d), N.
         bounds: Bounds of friction at all points.
+        own: What the force at a point moves it by, (points,), m/N.
         clear: As in its memory: distance that it may move unobserved, m.
     """
 
@@ -165,6 +166,7 @@ class Contact(NamedTuple):
     kinematics: ContactKinematics
     force: Array
     bounds: Bounds
+    own: Array
     clear: float = 0.0
 
     @property
@@ -332,7 +334,8 @@ def remembered(
         if c.was_skipped(before):
             memories.append(before._replace(clear=c.clear))
             continue
-        after = link.interface.remember(before, c.surface, c.kinematics, c.force, c.bounds, dt)
+        at_end = c.surface, c.kinematics, c.force, c.bounds, c.own
+        after = link.interface.remember(before, *at_end, dt)
         memories.append(after[0]._replace(clear=c.clear))
         lost.append(after[1])
     return memories, Dissipation(*map(sum, zip(NOTHING_LOST, *lost, strict=True)))
