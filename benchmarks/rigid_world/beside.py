@@ -30,7 +30,7 @@ import numpy as np
 from benchmarks.rigid_world import scenes
 from benchmarks.rows import Row, write_table
 from rockslip import Scene, parse_scene
-from solver.rigid.system import RigidSystem, blocks_of
+from solver.rigid.system import RigidSystem, centre_of
 
 TABLE = Path(__file__).resolve().parents[1] / "rigid_world.csv"
 PEER = Path(__file__).with_name("peer.py")
@@ -85,7 +85,7 @@ CASES = {
 
 def ours(case: Case, scene: Scene) -> Row:
     """What this program takes, rows included, and finds."""
-    system, dt, left = RigidSystem.from_scene(scene), case.dt, case.steps
+    system, dt, left = RigidSystem(scene), case.dt, case.steps
     places = [system.centre(k) for k in range(len(system.names))]
     sinks = [k for k, name in enumerate(system.columns) if name.endswith(".penetration_m")]
     deepest, taken, kept = 0.0, 0.0, []
@@ -121,15 +121,17 @@ def ours(case: Case, scene: Scene) -> Row:
 def peer(case: Case, scene: Scene, python: str) -> Row:
     """What MuJoCo takes and finds."""
     flat, blocks = scene.dimension == 2, []
-    for spec, block in zip(scene.blocks, blocks_of(scene), strict=True):
+    placed = scene.poses()
+    for spec in scene.blocks:
+        pose = placed[spec.name]
         turn, keep = np.eye(3), [0, 2] if flat else [0, 1, 2]
-        turn[np.ix_(keep, keep)] = block.pose.rotation
+        turn[np.ix_(keep, keep)] = pose.rotation
         place = np.zeros(3)
-        place[keep] = block.centre
+        place[keep] = centre_of(spec.shape, pose)
         blocks.append(
             {
                 "size": [spec.width, spec.thickness, spec.height],
-                "mass": block.shape.mass,
+                "mass": spec.shape.mass,
                 "place": place.tolist(),
                 "axes": turn[:, :2].T.ravel().tolist(),
                 "tilt": spec.tilt,

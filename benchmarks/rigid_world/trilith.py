@@ -104,7 +104,7 @@ def outcome(amplitude: float, duration: float, *, end: float = 5.0, **trilith: A
     """Rest, motion or collapse: a column or the lintel has gone down by a quarter of a column."""
     motion = {"kind": "half_sine", "amplitude_g": amplitude, "duration": duration}
     given = parse_scene(scenes.trilith(motion=motion, **trilith))
-    system, ground, dt = RigidSystem.from_scene(given), read_ground(given), 1e-3
+    system, ground, dt = RigidSystem(given), read_ground(given), 1e-3
     across = [k for k, name in enumerate(system.columns) if name.endswith(".centre_x_m")]
     places = np.array([system.centre(k) for k in range(3)])
     height, moved = given.blocks[0].shape.height, 0.0

@@ -9,6 +9,7 @@ from typing import Protocol
 import numpy as np
 from dolfinx import fem
 
+from geometry.convex import loops_of
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.reduced_body import ReducedBody, ReducedParts
 from solver.bodies.rigid_body import DenseBody, RigidBox
@@ -56,8 +57,10 @@ class Snapshots:
                     self._bodies.append(ReducedFields(run, number, body.parts, files))
             else:
                 corners = body.corners if isinstance(body, RigidBox) else platform_corners(scene)
-                loops = body.shape.loops() if isinstance(body, RigidBox) else None
-                own = one_cell(corners) if loops is None else triangles(corners, loops)
+                solid = body.shape.solid if isinstance(body, RigidBox) else None
+                own = one_cell(corners)
+                if solid is not None:
+                    own = triangles(corners, loops_of(solid.parts))
                 writer = files.body(body.name, own)
                 self._bodies.append(RigidFields(run, number, body, corners, writer))
         held = run.assembly.support.held

@@ -100,22 +100,22 @@ def test_means_over_boxes() -> None:
     cells = np.array([[[0.0, 0.0], [1.0, 0.0], [0.0, 2.0], [1.0, 2.0]]])
     part = Part((0.5, 1.0), (3.0, 4.0), 3.0)
     density = PartedDensity(rest=0.5, parts=(part,))
-    assert density.means(cells, simplices=False) == pytest.approx([0.5 + 0.25 * 2.5])
+    assert density.in_cells(cells) == pytest.approx([0.5 + 0.25 * 2.5])
 
 
 def test_a_linear_density_is_what_it_says() -> None:
     density = LinearDensity(off=(0.02, 0.05), sizes=(0.25, 1.0))
     ends = np.array([[x, y] for x in (-0.125, 0.125) for y in (0.0, 1.0)])
-    values = density.at(ends)
+    values = density.in_cells(ends)
     assert values.mean() == pytest.approx(1.0)
     assert values.min() == pytest.approx(1 - 6 * density.reach)
     grid = (np.arange(400) + 0.5) / 400
     x, y = np.meshgrid(0.25 * (grid - 0.5), grid)
     points = np.stack([x.ravel(), y.ravel()], axis=1)
-    centre = density.at(points) @ points / len(points)
+    centre = density.in_cells(points) @ points / len(points)
     assert centre == pytest.approx([0.02, 0.55], abs=1e-6)
-    assert density.least([6, 16]) == pytest.approx(
-        density.at(np.array([[-0.125 + 0.125 / 6, 0.5 / 16]]))[0]
+    assert density.least([0.25 / 6, 1.0 / 16]) == pytest.approx(
+        density.in_cells(np.array([[-0.125 + 0.125 / 6, 0.5 / 16]]))[0]
     )
 
 

@@ -86,7 +86,7 @@ def unit(scene: Scene) -> float:
 
 def sudden_onset(scene: Scene, acceleration: float) -> Onset:
     """Onset of a rigid block under a sudden acceleration of its base, A = a_g/g."""
-    system = RigidSystem.from_scene(scene)
+    system = RigidSystem(scene)
     name, columns = system.names[0], system.columns
     ground = np.zeros((SUDDEN_STEPS + 1, 2))
     ground[:, 0] = acceleration * scene.gravity

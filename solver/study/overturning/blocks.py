@@ -180,7 +180,7 @@ class RigidUnderPulses:
         self._ground, self._mean = np.zeros((len(times), 2)), np.zeros((len(times) - 1, 2))
         self._ground[:, 0] = unit.accelerations(times)
         self._mean[:, 0] = np.diff(unit.velocities(times)) / self._step
-        self._system = RigidSystem.from_scene(scene)
+        self._system = RigidSystem(scene)
         self._start = self._system.saved()
         names, own = self._system.columns, f"{self._system.names[0]}."
         self._angle = names.index(own + "angle_rad")
