@@ -1,12 +1,25 @@
-"""The energy ledger of a history, found again from its columns."""
+"""Runs that account for their energy, and the ledger found again from the columns."""
 
 from __future__ import annotations
+
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rockslip import History
+from rockslip import History, Result, Scene, simulate
 from solver.history.columns import DISSIPATED_ENERGIES, STORED_ENERGIES
+
+
+def completed(
+    given: Scene, *, gain: float = 1e-9, ledger: float = 1e-9, folder: Path | None = None
+) -> Result:
+    """A run that goes to its end, gains no energy and accounts for all of it."""
+    result = simulate(given, folder=folder)
+    assert result.status == "completed", result.summary["reason"]
+    assert result.summary["energy"]["largest_gain_fraction"] < gain
+    assert result.summary["energy"]["ledger_error_fraction"] < ledger
+    return result
 
 
 def stored_energy(history: History) -> NDArray[np.float64]:

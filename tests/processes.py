@@ -18,16 +18,39 @@ def outside_mpirun() -> dict[str, str]:
     return {k: v for k, v in os.environ.items() if not k.startswith(("PMIX_", "OMPI_COMM_"))}
 
 
-def on_ranks(ranks: int, folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
-    """A command of rockslip in a folder, under mpirun where there are several ranks."""
+def python(
+    *words: str | Path, ranks: int = 1, folder: Path | None = None, **environment: str
+) -> subprocess.CompletedProcess[str]:
+    """Python in a folder, under mpirun where there are several ranks; with its output."""
     launch = ["mpirun", "--oversubscribe", "-n", str(ranks)] if ranks > 1 else []
-    environment = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
     return subprocess.run(
-        [*launch, sys.executable, "-m", "solver", *words],
+        [*launch, sys.executable, *words],
         cwd=folder,
-        env=environment,
+        env=outside_mpirun() | {"PYTHONPATH": str(ROOT)} | environment,
         capture_output=True,
         text=True,
         timeout=600,
         check=False,
     )
+
+
+def on_ranks(ranks: int, folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
+    """A command of rockslip in a folder, under mpirun where there are several ranks."""
+    return python("-m", "solver", *words, ranks=ranks, folder=folder, OMP_NUM_THREADS="1")
+
+
+SEVERAL = """
+import sys
+from solver.cli import main
+
+for name in sys.argv[1:]:
+    code = main(["run", f"{name}.toml", "-q", "-o", name])
+    if code:
+        sys.exit(code)
+"""
+
+
+def runs_on_two_ranks(folder: Path, *names: str) -> None:
+    """Run NAME.toml of a folder into its folder NAME, all in one start of two ranks."""
+    done = python("-c", SEVERAL, *names, ranks=2, folder=folder, OMP_NUM_THREADS="1")
+    assert done.returncode == 0, done.stderr

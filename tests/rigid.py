@@ -1,11 +1,11 @@
-"""Scenes of rigid blocks in the plane and in space, and what each of their runs keeps."""
+"""Scenes of rigid blocks in the plane and in space."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import Any
 
-from rockslip import Result, Scene, parse_scene, simulate
+from rockslip import Scene, parse_scene
 
 G = 9.81
 PAPER = {"model": "rigid", "width": 0.25, "height": 1.0, "thickness": 0.75, "mass": 503.0}
@@ -22,17 +22,6 @@ def scene(d: int, *blocks: dict[str, Any], end: float, step: float = 1e-3, **tab
         "time": {"end": end, "step": step},
     }
     return parse_scene(content | tables)
-
-
-def run(
-    given: Scene, *, gain: float = 1e-9, ledger: float = 1e-9, folder: Path | None = None
-) -> Result:
-    """A run that goes to its end, gains no energy and accounts for all of it."""
-    result = simulate(given, folder=folder)
-    assert result.status == "completed", result.summary["reason"]
-    assert result.summary["energy"]["largest_gain_fraction"] < gain
-    assert result.summary["energy"]["ledger_error_fraction"] < ledger
-    return result
 
 
 def table(folder: Path, rows: Any) -> str:

@@ -5,11 +5,11 @@ Numbers are read through what users have: `simulate`, the command line, the file
 
 from __future__ import annotations
 
+import contextlib
 import csv
+import io
 import json
 import re
-import subprocess
-import sys
 import tempfile
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
@@ -22,6 +22,7 @@ import numpy as np
 import tomli_w
 
 from rockslip import SceneError, parse_scene, read_run, simulate
+from solver.cli import main
 
 Tables = dict[str, Any]
 Changes = Mapping[str, Any]
@@ -160,18 +161,16 @@ class Run:
             return cls(summary=result.summary, history=result.history)
         (folder / "scene.toml").write_text(tomli_w.dumps(tables))
         for line in commands.replace("SCENE", "scene.toml").replace("OUT", "out").split(" && "):
-            words = [sys.executable, str(REPOSITORY / "rockslip.py"), *line.split()]
-            done = subprocess.run(words, cwd=folder, capture_output=True, text=True, timeout=300)
-            if done.returncode:
+            code, printed = _said(folder, line.split())
+            if code:
                 break
         kinds = (".json", ".csv", ".toml")
         found = [file for file in folder.rglob("*") if file.suffix in kinds]
         files = {str(file.relative_to(folder)): file.read_text() for file in found}
-        printed = done.stdout + done.stderr
         if "out/history.csv" not in files:
-            return cls(files, printed, done.returncode)
+            return cls(files, printed, code)
         left = read_run(folder / "out")
-        return cls(files, printed, done.returncode, "", left.summary, left.history)
+        return cls(files, printed, code, "", left.summary, left.history)
 
     def read(self, name: str) -> Any:
         """A number by its name, by the first of `READERS` that fits; None if there is none."""
@@ -231,6 +230,17 @@ READERS: dict[str, Callable[..., Any]] = {
     ),
     r"(\S+)": lambda run, path: _at({**run.summary, **run.summary["blocks"]}, path),
 }
+
+
+def _said(folder: Path, words: Sequence[str]) -> tuple[int, str]:
+    """Exit code of a command of `rockslip` in a folder, and what it prints."""
+    with (
+        contextlib.chdir(folder),
+        contextlib.redirect_stdout(io.StringIO()) as output,
+        contextlib.redirect_stderr(io.StringIO()) as errors,
+    ):
+        code = main(words)
+    return code, output.getvalue() + errors.getvalue()
 
 
 def _at(tables: Any, path: str) -> Any:

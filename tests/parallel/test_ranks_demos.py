@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
-
 import pytest
-from processes import ROOT, outside_mpirun
+from processes import python
 
 FAILS_ON_RANK = """
 import sys
@@ -29,13 +26,6 @@ sys.exit(conclude("demo", (lambda: fail_on(1)) if where == "work" else work, sho
 @pytest.mark.parametrize("where", ["work", "show"])
 def test_an_error_of_a_demo_ends_all_ranks(where: str) -> None:
     """Rank 1 fails while all work, or rank 0 while it shows and the other one waits for it."""
-    done = subprocess.run(
-        ["mpirun", "--oversubscribe", "-n", "2", sys.executable, "-c", FAILS_ON_RANK, where],
-        env={**outside_mpirun(), "PYTHONPATH": str(ROOT)},
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
+    done = python("-c", FAILS_ON_RANK, where, ranks=2)
     assert done.returncode != 0
     assert "IndexError: no impact" in done.stderr

@@ -20,17 +20,10 @@ def run(folder: Path, words: str) -> tuple[int, str, list[str]]:
 
 
 @pytest.mark.mpi
-@pytest.mark.parametrize(
-    ("words", "part"),
-    [
-        ("-ksp_type gmres", "no matrix is assembled for others"),
-        ("-ksp_view_final_residual", "those that multiply by no matrix"),
-    ],
-)
-def test_refused_in_one_line(tmp_path: Path, words: str, part: str) -> None:
-    code, _, said = run(tmp_path, words)
+def test_refused_in_one_line(tmp_path: Path) -> None:
+    code, _, said = run(tmp_path, "-ksp_type gmres")
     assert code == 2
-    assert len(said) == 1 and part in said[0]
+    assert len(said) == 1 and "no matrix is assembled for others" in said[0]
 
 
 @pytest.mark.mpi

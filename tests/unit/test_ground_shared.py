@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from pathlib import Path
 from typing import get_args
 
 import pytest
-from processes import outside_mpirun
+from processes import python
 
 from solver.excitation.kinds import KINDS
 from solver.scene.motion import MotionSpec
@@ -44,21 +42,11 @@ def test_files_that_are_missing_on_one_node_are_not_missed(tmp_path: Path) -> No
         "[time]\nend = 0.05\nstep = 0.001\n"
     )
 
-    def run(*words: str) -> subprocess.CompletedProcess[str]:
-        return subprocess.run(
-            ["mpirun", "--oversubscribe", "-n", "2", sys.executable, "-c", SCRIPT, *words],
-            cwd=tmp_path,
-            env=outside_mpirun() | {"PYTHONPATH": str(REPOSITORY)},
-            capture_output=True,
-            text=True,
-            timeout=120,
-        )
-
-    done = run()
+    done = python("-c", SCRIPT, ranks=2, folder=tmp_path)
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "scene.out" / "summary.json").is_file()
     (tmp_path / "motion.txt").unlink()
-    done = run("-o", "other")
+    done = python("-c", SCRIPT, "-o", "other", ranks=2, folder=tmp_path)
     assert done.returncode == 2
     assert done.stderr.count("rockslip:") == 1 and "motion.file" in done.stderr
     assert not (tmp_path / "other").exists()

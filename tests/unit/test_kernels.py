@@ -22,7 +22,7 @@ pytestmark = pytest.mark.serial
 REPOSITORY = Path(__file__).resolve().parents[2]
 KERNELS = REPOSITORY / "solver" / "kernels"
 SANITIZERS = (
-    *("-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"),
+    *("-O1", "-g1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"),
     "-D_GLIBCXX_ASSERTIONS",
 )
 NEEDS_COMPILER = pytest.mark.skipif(shutil.which("g++") is None, reason="no g++")

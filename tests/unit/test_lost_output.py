@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from processes import outside_mpirun
+from processes import outside_mpirun, python
 from scenes import GRANITE, SHORT_GRANITE
 
 from rockslip import History, load_scene, simulate
@@ -69,15 +69,8 @@ class TestFullDisk:
 
     def limited(self, folder: Path, blocks: int, words: str, ranks: int = 1) -> str:
         """Run with files of so many KB; returns the one line that is said."""
-        launcher = ["mpirun", "-n", str(ranks)] if ranks > 1 else []
-        done = subprocess.run(
-            [*launcher, sys.executable, "-c", LIMITED, str(blocks * 1024), *words.split()],
-            cwd=folder,
-            env=outside_mpirun(),
-            capture_output=True,
-            text=True,
-            timeout=60,
-        )
+        size = str(blocks * 1024)
+        done = python("-c", LIMITED, size, *words.split(), ranks=ranks, folder=folder)
         assert done.returncode == 4, done.stderr
         assert "Traceback" not in done.stderr
         said = [line for line in done.stderr.splitlines() if line.startswith("rockslip: ")]

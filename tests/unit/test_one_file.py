@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from processes import outside_mpirun
+from processes import on_ranks, outside_mpirun, python
 from scenes import BLOCK, UPPER
 
 from rockslip import parse_scene, simulate
@@ -81,13 +81,9 @@ def test_the_same_fields(tmp_path: Path, text: str, ranks: int) -> None:
     if text == MIXED:
         pytest.importorskip("dolfinx")
     (tmp_path / "scene.toml").write_text(text + TIME)
-    launcher = ["mpirun", "-n", str(ranks)] if ranks > 1 else []
     for fields in ("vtk", "vtkhdf"):
-        command = [sys.executable, "-m", "solver", "run", "scene.toml", "-q", "-o", fields]
-        command += ["--set", f'output.fields="{fields}"']
-        subprocess.run(
-            [*launcher, *command], cwd=tmp_path, env=outside_mpirun(), check=True, timeout=300
-        )
+        words = "-q", "-o", fields, "--set", f'output.fields="{fields}"'
+        assert on_ranks(ranks, tmp_path, "run", "scene.toml", *words).returncode == 0
     assert not (tmp_path / "vtkhdf" / "fields").exists()
     pieces, file = grids(tmp_path / "vtk"), grids(tmp_path / "vtkhdf")
     assert [at for at, _ in file] == [at for at, _ in pieces]
@@ -174,13 +170,7 @@ file.close()
 def test_no_room(tmp_path: Path) -> None:
     """Nothing is written that has no room, and the times before can be read."""
     file = tmp_path / NAME
-    done = subprocess.run(
-        [sys.executable, "-c", FILLS, file],
-        env=outside_mpirun(),
-        capture_output=True,
-        text=True,
-        timeout=120,
-    )
+    done = python("-c", FILLS, file)
     assert (done.returncode, done.stderr) == (0, "")
     reached, number, name = done.stdout.split()
     assert (int(number), name) == (errno.EFBIG, str(file))

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
-from processes import outside_mpirun
+from processes import python
 from scenes import GRANITE
 
 from solver.errors import SceneError
@@ -20,11 +19,9 @@ def run(folder: Path, *words: str, model: str = "elastic") -> subprocess.Complet
     """Three steps with options for PETSc."""
     pytest.importorskip("dolfinx")
     (folder / "scene.toml").write_text(GRANITE + "[time]\nend = 0.003\nstep = 0.001\n")
-    command = [sys.executable, "-m", "solver", "run", "scene.toml", "-q", "--force"]
+    command = ["-m", "solver", "run", "scene.toml", "-q", "--force"]
     command += ["--set", f'block.model="{model}"', "--", *words]
-    return subprocess.run(
-        command, cwd=folder, env=outside_mpirun(), capture_output=True, text=True, timeout=300
-    )
+    return python(*command, folder=folder)
 
 
 @pytest.mark.slow

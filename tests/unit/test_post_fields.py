@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
 import sys
 import types
 from pathlib import Path
@@ -10,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from processes import outside_mpirun
+from processes import python
 
 from solver.fields.paraview import paraview_script
 
@@ -82,21 +81,16 @@ def cauchy(plane: str) -> NDArray[np.float64]:
     return np.asarray(turned @ np.diag(principal(plane)) @ turned.T)
 
 
-def python(code: str, *arguments: object, ranks: int) -> str:
+def said_by(code: str, *arguments: object, ranks: int) -> str:
     """Run a script on some ranks; returns what it says."""
-    command = [sys.executable, "-c", code, *map(str, arguments)]
-    if ranks > 1:
-        command = ["mpirun", "-n", str(ranks), *command]
-    done = subprocess.run(
-        command, env=outside_mpirun(), capture_output=True, text=True, timeout=120
-    )
+    done = python("-c", code, *map(str, arguments), ranks=ranks)
     assert done.returncode == 0, done.stderr
     return done.stdout
 
 
 def write_fields(file: Path, *, ranks: int, degree: int, cell: str, plane: str) -> None:
     numbers = ",".join(repr(float(value)) for value in DEFORMATION.ravel())
-    python(WRITE, file, degree, cell, plane, numbers, ranks=ranks)
+    said_by(WRITE, file, degree, cell, plane, numbers, ranks=ranks)
 
 
 def read_fields(file: Path, time: float | None) -> pyvista.UnstructuredGrid:
@@ -209,7 +203,7 @@ def test_several_bodies_of_a_killed_run(
     tmp_path: Path, ranks: int, dimension: int, degree: int, first: int
 ) -> None:
     """All parts of an instant are read together, with all their fields."""
-    python(WRITE_PARTS, tmp_path, dimension, degree, first, ranks=ranks)
+    said_by(WRITE_PARTS, tmp_path, dimension, degree, first, ranks=ranks)
     reader = pyvista.get_reader(str(tmp_path / "fields.pvd"))
     assert reader.time_values == [0.0, 0.1]
     assert [dataset.part for dataset in reader.datasets] == [0, 1, 0, 1]
@@ -245,7 +239,7 @@ def assert_drawn(file: Path, dimension: int) -> None:
 @pytest.mark.serial
 def test_stress_in_space(tmp_path: Path) -> None:
     """Uniaxial strain in 3-D: the von Mises stress is that of plane strain, closed form."""
-    python(WRITE_PARTS, tmp_path, 3, 1, 0, ranks=1)
+    said_by(WRITE_PARTS, tmp_path, 3, 1, 0, ranks=1)
     grid = read_fields(tmp_path / "fields" / "fields_stone000001.vtu", None)
     shear, lame = 8e9 / 2.4, 8e9 * 0.2 / (1.2 * 0.6)
     strain = 0.1 + 0.1**2 / 2
@@ -325,7 +319,7 @@ LATE = WRITE.replace("\nfile, degree", LATE + "\nfile, degree").replace(
 @pytest.mark.mpi
 def test_a_piece_is_listed_when_all_ranks_have_written_it(tmp_path: Path) -> None:
     """Ranks that are killed leave a list in which every piece can be opened."""
-    said = python(LATE, tmp_path / "fields.pvd", 1, "triangle", "strain", "1,0,0,1", ranks=2)
+    said = said_by(LATE, tmp_path / "fields.pvd", 1, "triangle", "strain", "1,0,0,1", ranks=2)
     assert said.split() == ["2", "1"]
 
 
@@ -349,7 +343,7 @@ except OutputTrouble as trouble:
 @pytest.mark.mpi
 def test_no_rank_waits_where_the_index_cannot_be_written(tmp_path: Path) -> None:
     (tmp_path / "run" / "fields.pvd").mkdir(parents=True)
-    said = python(TAKEN, tmp_path / "run", ranks=2)
+    said = said_by(TAKEN, tmp_path / "run", ranks=2)
     assert said.splitlines() == ["fields.pvd: is a directory"] * 2
 
 
@@ -378,7 +372,7 @@ FULL = WRITE.replace("\nfile, degree", FULL + "\nfile, degree").replace(
 def test_a_piece_without_room_is_not_listed(tmp_path: Path) -> None:
     """The rank that has none says so, after what ranks do together; the next piece is."""
     file = tmp_path / "fields.pvd"
-    said = python(FULL, file, 1, "triangle", "strain", "1,0,0,1", ranks=2)
+    said = said_by(FULL, file, 1, "triangle", "strain", "1,0,0,1", ranks=2)
     assert said.split() == ["1", "fields_stone_p1_000000.vtu"]
     assert pyvista.get_reader(str(file)).time_values == [0.25]
 

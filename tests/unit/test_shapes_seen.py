@@ -68,13 +68,20 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Run]:
 
 
 @pytest.mark.parametrize("name", SHAPES)
-def test_pictures_and_films_are_made(name: str, runs: dict[str, Run], tmp_path: Path) -> None:
-    """None is blank, and what is drawn fills less than the box around it would."""
+def test_pictures_are_made(name: str, runs: dict[str, Run], tmp_path: Path) -> None:
+    """None is blank."""
     from PIL import Image
 
     assert main(["plot", str(runs[name].folder), "-o", str(tmp_path)]) == 0
     drawn = np.asarray(Image.open(tmp_path / "deformed.png").convert("RGB")).astype(int)
     assert np.ptp(drawn) > 200
+
+
+@pytest.mark.parametrize("name", ["plane", "vase", "feet"])
+def test_films_are_made(name: str, runs: dict[str, Run], tmp_path: Path) -> None:
+    """With the edges of the shape."""
+    from PIL import Image
+
     film = tmp_path / "film.gif"
     words = ["--until", "0.2", "--slow", "1", "--width", "320"]
     assert main(["animate", str(runs[name].folder), "-o", str(film), *words]) == 0

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from processes import python
 
 from rockslip import load_scene
 from solver.cli import build_parser, main
@@ -240,12 +241,9 @@ def test_an_interruption_keeps_what_is_finished(tmp_path: Path) -> None:
 def test_the_same_command_on_ranks(tmp_path: Path) -> None:
     """Two ranks: the table of the serial run."""
     furnish(tmp_path)
-    launch = ["mpirun", "--oversubscribe", "-n", "2"]
     assert main(command(tmp_path, "-o", str(tmp_path / "serial"), "-q")[3:]) == 3
-    done = subprocess.run(
-        [*launch, *command(tmp_path, "-o", str(tmp_path / "ranks"))],
-        env=environment(), capture_output=True, text=True, timeout=300, check=False,
-    )  # fmt: skip
+    words = command(tmp_path, "-o", str(tmp_path / "ranks"))[1:]
+    done = python(*words, ranks=2)
     assert done.returncode == 3, done.stderr
     assert done.stdout.count("2 of 3 completed") == 1
     one, other = table(tmp_path / "serial"), table(tmp_path / "ranks")
@@ -253,10 +251,7 @@ def test_the_same_command_on_ranks(tmp_path: Path) -> None:
         for row in rows.values():
             row.pop("wall_s")
     assert one == other
-    refused = subprocess.run(
-        [*launch, *command(tmp_path, "-o", str(tmp_path / "ranks"))],
-        env=environment(), capture_output=True, text=True, timeout=300, check=False,
-    )  # fmt: skip
+    refused = python(*words, ranks=2)
     assert refused.returncode == 2
     assert refused.stderr.count("rockslip: -o: got ") == 1
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import importlib.util
+import importlib
 import json
 import sys
 from dataclasses import replace
@@ -14,8 +14,6 @@ import pytest
 
 from solver.errors import RockslipError
 
-DEMO = Path(__file__).parents[2] / "demos" / "free_rocking" / "free_rocking.py"
-
 Captured = pytest.CaptureFixture[str]
 
 pytestmark = [pytest.mark.serial, pytest.mark.slow]
@@ -25,11 +23,7 @@ pytestmark = [pytest.mark.serial, pytest.mark.slow]
 def demo() -> ModuleType:
     for package in ("dolfinx", "gmsh", "pyvista", "matplotlib"):
         pytest.importorskip(package)
-    specification = importlib.util.spec_from_file_location("free_rocking", DEMO)
-    assert specification is not None and specification.loader is not None
-    module = importlib.util.module_from_spec(specification)
-    specification.loader.exec_module(module)
-    return module
+    return importlib.import_module("demos.free_rocking.free_rocking")
 
 
 @pytest.fixture(scope="module")

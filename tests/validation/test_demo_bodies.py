@@ -13,7 +13,7 @@ from types import ModuleType
 from typing import Any
 
 import pytest
-from processes import outside_mpirun
+from processes import outside_mpirun, python
 
 from rockslip import read_run
 
@@ -91,17 +91,7 @@ SCRIPTS = {
 @pytest.mark.parametrize("script", list(SCRIPTS))
 def test_it_runs_on_two_ranks(script: str, tmp_path: Path) -> None:
     """By its script, as from the command line, into a folder in the current one."""
-    changes = ["--set", SCRIPTS[script]]
-    command = ["mpirun", "--oversubscribe", "-n", "2", sys.executable, str(DEMOS / script)]
-    done = subprocess.run(
-        [*command, *changes],
-        cwd=tmp_path,
-        env={**outside_mpirun(), "PYTHONPATH": str(DEMOS.parent)},
-        capture_output=True,
-        text=True,
-        timeout=900,
-        check=False,
-    )
+    done = python(DEMOS / script, "--set", SCRIPTS[script], ranks=2, folder=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "check failed" not in done.stderr
     assert done.stdout.count("holds:") > 4

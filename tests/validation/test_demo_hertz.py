@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import importlib.util
-import sys
+import importlib
 from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import pytest
-
-DEMO = Path(__file__).parents[2] / "demos" / "hertz" / "hertz.py"
 
 Captured = pytest.CaptureFixture[str]
 
@@ -22,12 +19,7 @@ pytestmark = [pytest.mark.serial, pytest.mark.slow]
 def demo() -> ModuleType:
     for package in ("dolfinx", "gmsh", "matplotlib"):
         pytest.importorskip(package)
-    specification = importlib.util.spec_from_file_location("demo_hertz", DEMO)
-    assert specification is not None and specification.loader is not None
-    module = importlib.util.module_from_spec(specification)
-    sys.modules[specification.name] = module  # its dataclass looks for its module
-    specification.loader.exec_module(module)
-    return module
+    return importlib.import_module("demos.hertz.hertz")
 
 
 @pytest.fixture(scope="module")

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import importlib.util
+import importlib
 from pathlib import Path
 from types import ModuleType
 
 import numpy as np
 import pytest
-
-DEMO = Path(__file__).parents[2] / "demos" / "platform" / "block_on_platform.py"
 
 Captured = pytest.CaptureFixture[str]
 
@@ -24,11 +22,7 @@ NAMES = (
 def demo() -> ModuleType:
     for package in ("dolfinx", "gmsh", "matplotlib"):
         pytest.importorskip(package)
-    specification = importlib.util.spec_from_file_location("block_on_platform", DEMO)
-    assert specification is not None and specification.loader is not None
-    module = importlib.util.module_from_spec(specification)
-    specification.loader.exec_module(module)
-    return module
+    return importlib.import_module("demos.platform.block_on_platform")
 
 
 @pytest.fixture(scope="module")

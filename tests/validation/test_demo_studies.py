@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib
+import io
 import json
-import subprocess
-import sys
+import shutil
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
 
 import pytest
-from processes import ROOT, outside_mpirun
+from processes import ROOT, python
 
 from demos.study import read_table
 
@@ -57,16 +60,30 @@ def module_of(name: str, script: str) -> ModuleType:
     return importlib.import_module(f"demos.{name}.{script}")
 
 
+@pytest.fixture(scope="module")
+def left(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], tuple[Path, str]]:
+    """What the short form of a demo leaves and prints, each made once."""
+    pytest.importorskip("matplotlib")
+
+    @cache
+    def made(name: str) -> tuple[Path, str]:
+        demo, folder = DEMOS[name], tmp_path_factory.mktemp(name) / "out"
+        words = [*demo.words.split(), "-q", "-j", "1", "-o", str(folder)]
+        with contextlib.redirect_stdout(io.StringIO()) as printed:
+            assert module_of(name, demo.script).main(words) == 0
+        return folder, printed.getvalue()
+
+    return made
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", list(DEMOS))
 def test_its_checks_hold_and_can_fail(
-    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    name: str, left: Callable[[str], tuple[Path, str]], tmp_path: Path
 ) -> None:
-    pytest.importorskip("matplotlib")
-    demo, folder = DEMOS[name], tmp_path / "out"
-    module = module_of(name, demo.script)
-    assert module.main([*demo.words.split(), "-q", "-j", "1", "-o", str(folder)]) == 0
-    assert capsys.readouterr().out.count("holds:") == demo.holds
+    demo, (made, printed) = DEMOS[name], left(name)
+    assert printed.count("holds:") == demo.holds
+    module, folder = module_of(name, demo.script), Path(shutil.copytree(made, tmp_path / "out"))
     table = "suite" if name == "ensemble" else name
     assert {row["engine"] for row in read_table(folder / f"{table}.csv")} == demo.engines
     file = folder / "summary.json"
@@ -85,7 +102,7 @@ def test_its_checks_hold_and_can_fail(
 def test_the_live_load(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("matplotlib")
     demo = module_of("inertia", "live_load")
-    assert demo.main(["-o", str(tmp_path / "output"), "--count", "4", "-q", "-j", "2"]) == 0
+    assert demo.main(["-o", str(tmp_path / "output"), "--count", "2", "-q", "-j", "1"]) == 0
     output = capsys.readouterr()
     assert output.err == ""
     assert output.out.count("holds:") == 4 + 3
@@ -102,19 +119,15 @@ def test_the_live_load(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> No
 
 @pytest.mark.slow
 @pytest.mark.mpi
-def test_it_does_the_same_on_two_ranks(tmp_path: Path) -> None:
+def test_it_does_the_same_on_two_ranks(
+    left: Callable[[str], tuple[Path, str]], tmp_path: Path
+) -> None:
     """Rounds of cases: the same tables as on one, and the verdict of one rank."""
-    pytest.importorskip("matplotlib")
     demo, file = DEMOS["overturning"], ROOT / "demos" / "overturning" / "overturning.py"
-    one, two = tmp_path / "one", tmp_path / "two"
-    for folder, launch in ((one, ()), (two, ("mpirun", "--oversubscribe", "-n", "2"))):
-        done = subprocess.run(
-            [*launch, sys.executable, str(file), "-q", "-o", str(folder), *demo.words.split()],
-            cwd=tmp_path, env={**outside_mpirun(), "PYTHONPATH": str(ROOT)},
-            capture_output=True, text=True, timeout=300, check=False,
-        )  # fmt: skip
-        assert done.returncode == 0, done.stderr
-        assert "check failed" not in done.stderr
-        assert done.stdout.count("holds:") == demo.holds
-    rows = [read_table(folder / "overturning.csv") for folder in (one, two)]
+    two = tmp_path / "two"
+    done = python(file, "-q", "-o", two, *demo.words.split(), ranks=2, folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "check failed" not in done.stderr
+    assert done.stdout.count("holds:") == demo.holds
+    rows = [read_table(folder / "overturning.csv") for folder in (left("overturning")[0], two)]
     assert rows[0] == rows[1] != []

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import importlib.util
+import importlib
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -18,12 +18,7 @@ PAGE = (ROOT / "docs" / "gallery.md").read_text(encoding="utf-8")
 @pytest.fixture(scope="module")
 def gallery() -> ModuleType:
     """The script."""
-    file = ROOT / "demos" / "gallery" / "gallery.py"
-    spec = importlib.util.spec_from_file_location("gallery", file)
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return importlib.import_module("demos.gallery.gallery")
 
 
 def test_every_scene_is_on_the_page(gallery: ModuleType) -> None:

@@ -11,13 +11,11 @@ import importlib.util
 import re
 import shlex
 import shutil
-import subprocess
-import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from processes import outside_mpirun
+from processes import python
 
 from solver.cli import build_parser, main
 from solver.run.folders import LEFT_BEHIND
@@ -187,21 +185,12 @@ def call(folder: Path, words: list[str]) -> None:
         with contextlib.chdir(folder):
             assert main(shortened(words)[1:]) == 0
         return
-    command = ["-m", *shortened(words[words.index("rockslip") :])]
-    started(folder, command, ["mpirun", "--oversubscribe", "-n", "2"])
+    started(folder, "-m", *shortened(words[words.index("rockslip") :]), ranks=2)
 
 
-def started(folder: Path, words: Sequence[str], launch: Sequence[str] = ()) -> str:
+def started(folder: Path, *words: str, ranks: int = 1) -> str:
     """The output of Python in processes of its own."""
-    done = subprocess.run(
-        [*launch, sys.executable, *words],
-        cwd=folder,
-        env={**outside_mpirun(), "PYTHONPATH": str(ROOT)},
-        capture_output=True,
-        text=True,
-        timeout=600,
-        check=False,
-    )
+    done = python(*words, ranks=ranks, folder=folder)
     assert done.returncode == 0, done.stderr
     assert "Traceback" not in done.stderr
     return done.stdout
@@ -270,7 +259,7 @@ def test_what_is_not_run_is_there(command: str) -> None:
         assert words[1].removeprefix("--script=") in LEFT_BEHIND
     elif "synopsis" in reason_not_to_run(words):
         options = re.findall(r"-{1,2}[a-z][a-z-]*", command.split("[", 1)[1])
-        printed = started(Path.cwd(), ["-m", *words[:3], "--help"])
+        printed = started(Path.cwd(), "-m", *words[:3], "--help")
         assert options and all(option in printed for option in options)
     elif words[0] in ("rockslip", "mpirun"):
         arguments = words[words.index("rockslip") + 1 :]
@@ -300,7 +289,7 @@ def test_python_snippets_run(folder: Path, snippet: str) -> None:
     names = re.findall(r"^(\w+) = ", snippet, re.MULTILINE)
     assert names
     check = f"assert all(value is not None for value in ({', '.join(names)},))"
-    started(folder, ["-c", f"{snippet}\n{check}\n"])
+    started(folder, "-c", f"{snippet}\n{check}\n")
 
 
 def test_readme_has_a_snippet() -> None:

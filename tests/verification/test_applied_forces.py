@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from rigid import G, run, scene
+from ledger import completed as run
+from rigid import G, scene
 
 from rockslip import SceneError, parse_scene, simulate
 

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from rigid import PAPER, G, run, scene
+from ledger import completed as run
+from rigid import PAPER, G, scene
 from scipy.optimize import brentq
 
 from rockslip import Scene

@@ -62,7 +62,16 @@ def words_of(folder: Path, scene: str, **parts: Array) -> list[str]:
     for name, value in parts.items():
         write(folder / f"{name}.txt", value)
     (folder / "scene.toml").write_text(scene)
-    call = ["study", "suite", str(folder / "scene.toml"), "-o", str(folder / "out"), "-q"]
+    call = [
+        "study",
+        "suite",
+        str(folder / "scene.toml"),
+        "-o",
+        str(folder / "out"),
+        "-q",
+        "-j",
+        "1",
+    ]
     return [*call, "--motions", *(str(file) for file in sorted(folder.glob("*.txt")))]
 
 

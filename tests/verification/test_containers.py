@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from rigid import G, run, scene, table
+from ledger import completed as run
+from rigid import G, scene, table
 
 from rockslip import Result, SceneError, parse_scene
 from solver.scene.scaling import Scale, scaled_tables

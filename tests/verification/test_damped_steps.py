@@ -93,10 +93,11 @@ def test_without_them() -> None:
 @pytest.mark.slow
 def test_adaptive_steps_need_none() -> None:
     """They resolve what vibrates; where it is asked for, time is counted in first steps."""
-    scene = thrown(1e9, 0.3, 2e-3, "time.adaptive=true")
+    scene = thrown(1e9, 0.3, 2e-3, "time.adaptive=true", "time.end=0.1")
     assert scene.time.damped_steps == 0
     assert simulate(scene).summary["cost"]["damped_steps"] == 0
-    asked = simulate(thrown(1e9, 0.3, 2e-3, "time.adaptive=true", "time.damped_steps=4"))
+    words = "time.adaptive=true", "time.damped_steps=4", "time.end=0.1"
+    asked = simulate(thrown(1e9, 0.3, 2e-3, *words))
     step, damped = asked.history["step_s"], asked.summary["cost"]["damped_steps"]
     assert damped > 4, "steps are shorter than the first one"
     assert damped < len(step)

@@ -31,7 +31,7 @@ def table(file: Path) -> Rows:
 
 
 def study(folder: Path, *words: str) -> int:
-    return main(["study", "suite", str(SCENE), "-o", str(folder), "-q", *words])
+    return main(["study", "suite", str(SCENE), "-o", str(folder), "-q", "-j", "1", *words])
 
 
 @pytest.mark.slow

@@ -26,7 +26,7 @@ def shaken(foundation: dict[str, Any], **upper: float) -> Result:
         "block": [lower | SIZE, above | SIZE | upper],
         "foundation": foundation,
         "motion": motion,
-        "time": {"end": 1.6, "step": 4e-3},
+        "time": {"end": 1.4, "step": 5e-3},
     }
     return simulate(parse_scene(tables))
 

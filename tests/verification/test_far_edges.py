@@ -41,7 +41,7 @@ def sliding_off(block: dict[str, Any]) -> dict[str, Any]:
         "foundation": PLATE,
         "contact": {"friction": 0.1},
         "damping": {"stiffness": 0.0},
-        "time": {"end": 0.5, "step": 1e-3},
+        "time": {"end": 0.5, "step": 2e-3},
     }
 
 

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from rigid import G, run, scene, table
+from ledger import completed as run
+from rigid import G, scene, table
 from scipy.optimize import brentq
 
 from rockslip import History, Result, Scene, parse_scene, simulate

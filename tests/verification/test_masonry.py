@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from rigid import G, run
+from ledger import completed as run
+from rigid import G
 from scipy.optimize import linprog
 
 from benchmarks.rigid_world import scenes

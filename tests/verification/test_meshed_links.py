@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from ledger import completed
 from rigid import table
 
 from rockslip import History, Result, Scene, SceneError, parse_scene, simulate
@@ -51,14 +53,7 @@ def scene(d: int, *blocks: dict[str, Any], end: float, step: float = 4e-3, **tab
     return parse_scene(content | tables)
 
 
-def run(given: Scene, *, gain: float = 1e-6) -> Result:
-    """A run to its end that accounts for all energy and gains none to speak of."""
-    result = simulate(given)
-    energy = result.summary["energy"]
-    assert result.status == "completed", result.summary["reason"]
-    assert energy["largest_gain_fraction"] < gain
-    assert energy["ledger_error_fraction"] < 1e-9
-    return result
+run = partial(completed, gain=1e-6)
 
 
 def of_both(d: int, *blocks: dict[str, Any], **tables: Any) -> tuple[History, History]:

@@ -74,13 +74,13 @@ def test_damping_takes_the_vibration_and_leaves_the_momentum() -> None:
 
 
 @pytest.mark.slow
-def test_five_in_a_row_pass_their_momentum_on() -> None:
-    """Only the last one moves in the end, and four wait; coarse ones lose 1.8 % a blow."""
-    result = bars(5e9, 5, cells=[20, 1])
-    speeds = [last_velocity(result, f"n{k}") for k in range(5)]
+def test_four_in_a_row_pass_their_momentum_on() -> None:
+    """Only the last one moves in the end, and three wait; coarse ones lose 1.8 % a blow."""
+    result = bars(5e9, 4, cells=[20, 1])
+    speeds = [last_velocity(result, f"n{k}") for k in range(4)]
     assert sum(speeds) == pytest.approx(2.0, abs=1e-6)
-    assert speeds[:4] == pytest.approx([0.0] * 4, abs=0.1)
-    assert speeds[4] == pytest.approx(2.0, rel=0.1)
+    assert speeds[:3] == pytest.approx([0.0] * 3, abs=0.1)
+    assert speeds[3] == pytest.approx(2.0, rel=0.08)
 
 
 DOMINO: dict[str, Any] = {
@@ -92,9 +92,9 @@ DOMINO: dict[str, Any] = {
 @cache
 def dominoes(dimension: int, count: int, end: float, model: str, **time: Any) -> Result:
     """Dominoes 0.4 m apart, of which the first leans by 8 degrees."""
-    more: dict[str, Any] = {"cells": [2, 12]}
+    more: dict[str, Any] = {"cells": [2, 10]}
     if dimension == 3:
-        more = {"cells": [2, 1, 8], "thickness": 0.4}
+        more = {"cells": [2, 1, 6], "thickness": 0.4}
     blocks = [
         DOMINO | more | {"name": f"n{k}", "offset": 0.4 * k, "model": model} for k in range(count)
     ]
@@ -113,10 +113,10 @@ def passed(result: Result, name: str) -> float:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("dimension", "count"), [(2, 4), (3, 3)])
-def test_elastic_dominoes_fall_as_rigid_ones(dimension: int, count: int) -> None:
-    """Within 5 % of their times, and to the ground; no energy comes in, and the ledger closes."""
-    end = 1.6 if dimension == 2 else 1.7
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_elastic_dominoes_fall_as_rigid_ones(dimension: int) -> None:
+    """Within 3 % of their times; no energy comes in, and the ledger closes."""
+    count, end = 3, 1.4
     elastic = dominoes(dimension, count, end, "elastic")
     rigid = dominoes(dimension, count, end, "rigid", step=1e-3)
     for k in range(1, count):
@@ -135,8 +135,8 @@ def test_elastic_dominoes_fall_as_rigid_ones(dimension: int, count: int) -> None
 @pytest.mark.slow
 def test_the_wave_of_dominoes_is_that_of_smaller_steps() -> None:
     """A fourth of the tolerance moves it by less than 0.1 %."""
-    usual = dominoes(2, 4, 1.6, "elastic")
-    finer = dominoes(2, 4, 1.4, "elastic", tolerance=2.5e-4)
+    usual = dominoes(2, 3, 1.4, "elastic")
+    finer = dominoes(2, 3, 1.4, "elastic", tolerance=2.5e-4)
     for name in ("n1", "n2"):
         assert passed(usual, name) == pytest.approx(passed(finer, name), rel=1e-3)
 
@@ -176,7 +176,7 @@ def test_a_lintel_stands_on_both_posts(dimension: int) -> None:
 FRAME: dict[str, Any] = {
     **{"kind": "frame", "deck": {"width": 4.0, "height": 0.6}, "column": {"width": 0.1}},
     **{"storey": 3.0, "young": 3e10, "poisson": 0.2, "density": 2500.0},
-    "cells": {"bay": 4, "column": 1, "deck": 1, "storey": 6},
+    "cells": {"bay": 4, "column": 1, "deck": 1, "storey": 3},
     "damping": {"mass": 0.0, "stiffness": 2e-4},
 }
 
@@ -184,7 +184,7 @@ FRAME: dict[str, Any] = {
 def stacks() -> Scene:
     """Two stacks on a deck that pound as the deck shakes: the right one slips more."""
     stone: dict[str, Any] = {
-        **{"model": "elastic", "young": 2e10, "poisson": 0.2, "cells": [4, 6]},
+        **{"model": "elastic", "young": 2e10, "poisson": 0.2, "cells": [2, 3]},
         **{"width": 0.5, "density": 2400.0},
     }
     blocks: list[dict[str, Any]] = []
@@ -194,7 +194,7 @@ def stacks() -> Scene:
         blocks[-1]["friction"] = friction
         blocks.append(stone | {"name": top, "height": 0.5, "on": low, "friction": 0.4})
     motion = {"kind": "sine", "amplitude_g": 0.45, "period": 0.66, "cycles": 2}
-    time = {"end": 0.3, "step": 5e-4, "adaptive": False}
+    time = {"end": 0.3, "step": 1e-3, "adaptive": False}
     return parse_scene(
         {"plane": "stress", "block": blocks, "foundation": FRAME, "motion": motion, "time": time}
     )
@@ -209,7 +209,7 @@ def test_momentum_of_stacks_that_pound_on_a_deck() -> None:
     system, step = stepper.system, case.time.step
     mass = sum(body.mass for body in system.bodies)
     shears, left, met = [], [], 0.0
-    for _ in range(600):
+    for _ in range(300):
         new, exchange = stepper.advance(state, step)
         forces = exchange.ground or stepper.ground_forces(new)
         shaken = stepper.mean_base(state.time, step)

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from rigid import PAPER, UPWARDS, G, run
+from ledger import completed as run
+from rigid import PAPER, UPWARDS, G
 from rigid import scene as scene_of
 
 from rockslip import Scene, parse_scene, simulate

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 import rigid
+from ledger import completed
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
@@ -45,7 +46,7 @@ def run(*blocks: dict[str, Any], end: float, folder: Path | None = None, **table
     """A run that goes to its end, gains no energy and accounts for all of it."""
     quiet = {"damping": {"stiffness": 0.0}, "output": {"fields": "none"}}
     given = rigid.scene(3, *blocks, end=end, friction=0.5, **(quiet | tables))
-    return rigid.run(given, gain=1e-5, ledger=1e-8, folder=folder)
+    return completed(given, gain=1e-5, ledger=1e-8, folder=folder)
 
 
 def spinning(spin: tuple[float, ...], end: float) -> History:

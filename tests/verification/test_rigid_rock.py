@@ -7,8 +7,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from ledger import completed as run
 from numpy.typing import NDArray
-from rigid import PAPER, G, run
+from rigid import PAPER, G
 from rigid import scene as scene_of
 
 from rockslip import Scene, simulate

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from rigid import SQUAT, G, run, scene, table
+from ledger import completed as run
+from rigid import SQUAT, G, scene, table
 from scipy.integrate import solve_ivp
 
 from rockslip import History

@@ -15,6 +15,7 @@ from solver.scene.material import Material
 Array = NDArray[np.float64]
 
 PERIOD = 0.5
+CELLS = (6, 16)
 
 
 def scene(*overrides: str) -> Scene:
@@ -28,6 +29,7 @@ def scene(*overrides: str) -> Scene:
                 "mass": 503.0,
                 "young": 5.0e10,
                 "poisson": 0.2,
+                "cells": CELLS,
             }
         ],
         "contact": {"friction": 0.7},
@@ -40,12 +42,12 @@ def scene(*overrides: str) -> Scene:
 
 @pytest.mark.slow
 def test_a_sticking_block_does_not_creep() -> None:
-    """Between the same phases of the third and the ninth cycle."""
-    result = simulate(scene("time.end=5.0"))
+    """Between the same phases of the third and the sixth cycle."""
+    result = simulate(scene("time.end=3.0", "block.cells=[4, 10]"))
     assert result.status == "completed", result.summary
     slip, per_cycle = result.history["block.slip_m"], round(PERIOD / 1e-3)
-    third, ninth = (slip[k * per_cycle : (k + 1) * per_cycle] for k in (2, 8))
-    assert np.abs(ninth - third).max() < 1e-8
+    third, sixth = (slip[k * per_cycle : (k + 1) * per_cycle] for k in (2, 5))
+    assert np.abs(sixth - third).max() < 5e-9
     assert result.summary["blocks"]["block"]["mode"] == "rest"
     assert result.summary["energy"]["largest_gain_fraction"] < 1e-6
 
@@ -73,7 +75,7 @@ def swaying(run: Scene) -> tuple[Array, Array]:
     assert isinstance(block.poisson, float)
     shape = block.shape
     material = Material(young=block.young, poisson=block.poisson, density=shape.density)
-    modes = sway_modes(shape, material, (6, 16))
+    modes = sway_modes(shape, material, CELLS)
     friction = run.friction_of(block).dynamic
     model = SwayingBlock(shape.mass, modes, friction * shape.weight(run.gravity), step=2e-5)
     return model.slip(motion.acceleration, run.time.end)
@@ -87,7 +89,7 @@ def test_the_difference_from_the_rigid_block_is_that_of_sway() -> None:
     one (docs/method.md).
     """
     expected = 0.0165
-    run = scene("contact.friction=0.1", "motion.cycles=2", "time.end=1.3", "time.step=2e-4")
+    run = scene("contact.friction=0.1", "motion.cycles=2", "time.end=1.1", "time.step=2e-4")
     result, (times, slips) = simulate(run), swaying(run)
     time, slip = result.history["time_s"], result.history["block.slip_m"]
     assert largest_difference(times, slips, run) == pytest.approx(expected, rel=0.1)

@@ -6,12 +6,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from ledger import completed
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 from geometry.arrangement import initial_position
-from rockslip import BlockSpec, Result, Scene, parse_scene, simulate
+from rockslip import BlockSpec, Result, Scene, parse_scene
 from solver.excitation.kinds import base_motion
 from solver.reference.sliding import sliding
 
@@ -48,15 +49,6 @@ def scene(*blocks: dict[str, Any], end: float, friction: float, **tables: Any) -
         "time": {"end": end, "step": 1e-3},
     }
     return parse_scene(content | tables)
-
-
-def completed(run: Scene, *, largest_gain: float = 1e-9, ledger: float = 1e-9) -> Result:
-    """The result of a run that went to its end, gained no energy and accounts for all of it."""
-    result = simulate(run)
-    assert result.status == "completed", result.summary["reason"]
-    assert result.summary["energy"]["largest_gain_fraction"] < largest_gain
-    assert result.summary["energy"]["ledger_error_fraction"] < ledger
-    return result
 
 
 def on_a_corner(spec: BlockSpec, gravity: float, end: float) -> tuple[Any, Array, Array, Array]:

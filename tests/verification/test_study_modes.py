@@ -160,7 +160,7 @@ def test_the_maps_of_rigid_blocks(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     pytest.importorskip("matplotlib")
     monkeypatch.chdir(tmp_path)
     words = ["study", "modes", str(SCENE), "--engines", "rigid", "--ratios", "1,2,4,8", "-q"]
-    words += ["-o", "out", "-j", "2", "--points", "6"]
+    words += ["-o", "out", "-j", "1", "--points", "6"]
     assert main(words) == 0
     folder = tmp_path / "out"
     maps = json.loads((folder / "summary.json").read_text())["maps"]
@@ -185,7 +185,8 @@ def test_without_a_material_the_map_is_that_of_rigid_blocks(
     file = tmp_path / "scene.toml"
     lines = SCENE.read_text().replace("[[block]]", '[[block]]\nmodel = "rigid"').splitlines()
     file.write_text("\n".join(x for x in lines if not x.startswith(("young", "poisson", "cells"))))
-    words = ["study", "modes", str(file), "-o", str(tmp_path / "out"), "--points", "2", "-q"]
+    words = ["study", "modes", str(file), "-o", str(tmp_path / "out"), "-q", "-j", "1"]
+    words += ["--points", "2"]
     assert main(words) == 0
     maps = json.loads((tmp_path / "out" / "summary.json").read_text())["maps"]
     assert [found["engine"] for found in maps] == ["rigid"]

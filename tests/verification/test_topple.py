@@ -17,7 +17,7 @@ pytestmark = pytest.mark.serial
 
 def topple(material: str, *, tolerance: float) -> Result:
     """A slender block with the default damping that begins next to its point of balance."""
-    block = {"width": 0.25, "height": 1.0, "thickness": 0.75, "cells": [4, 12]}
+    block = {"width": 0.25, "height": 1.0, "thickness": 0.75, "cells": [3, 8]}
     block |= {**MATERIALS[material], "tilt_deg": 13.0, "angular_velocity": 0.5}
     tables = {
         "block": [block],
