@@ -324,7 +324,7 @@ class StepProblem:
         for number, own in enumerate(self._points.own):
             inactive = active_set.inactive[number]
             surface, kinematics = active_set.seen(number) if inactive else self._seen[number]
-            force, bounds = self.contact.force[own], self.contact.friction.bounds[number]
+            force, bounds = self.contact.force[own], self.contact.friction.bounds.of(own)
             found.append(Contact(surface, kinematics, force, bounds, active_set.clear(number)))
         return found
 

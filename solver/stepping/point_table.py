@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,20 +38,9 @@ def numbered(links: Sequence[Link]) -> list[slice]:
     return [slice(start, end) for start, end in zip([0, *ends[:-1]], ends, strict=True)]
 
 
-class JoinedBounds(NamedTuple):
-    """Bounds of friction of several interfaces."""
-
-    each: Sequence[Bounds]
-    """Bounds of each interface."""
-    mu: Array
-    """Coefficients of friction of all points, (points,)."""
-    cohesion: Array
-    """Their cohesion, (points,), N."""
-
-    @classmethod
-    def of(cls, each: Sequence[Bounds]) -> JoinedBounds:
-        """The bounds of the interfaces put together."""
-        return cls(each, joined([own.mu for own in each]), joined([own.cohesion for own in each]))
+def joined_bounds(each: Sequence[Bounds]) -> Bounds:
+    """Bounds of friction of several interfaces one after another."""
+    return Bounds(joined([own.mu for own in each]), joined([own.cohesion for own in each]))
 
 
 class PointTable:
@@ -65,9 +54,8 @@ class PointTable:
         softness: 1/(gamma_h w), 0 for points of rigid bodies, (points,), m/N.
         has_bed: True if points stand on beds.
         no_bed: The softness of beds where there are none, (points,), m/N.
-        steady: True if friction depends on neither speed nor the past.
         decays: True if that of some points decays with the speed.
-        bounds: Bounds of steady friction; None where it is not steady.
+        bounds: Bounds of friction that depends on neither speed nor the past; None: some does.
         turns: True if a carrier turns.
         size: Of the body that each point belongs to, (points,), m.
         round_off: Round-off of their gaps, (points,), m.
@@ -85,13 +73,12 @@ class PointTable:
         self.no_bed: Array = np.zeros(self.count)
         self.has_bed = any(link.interface.beds is not None for link in links)
         laws = [link.interface.law for link in links]
-        self.steady = all(law.constant for law in laws)
         self.decays = any(law.decays for law in laws)
-        self.bounds: JoinedBounds | None = None
-        if self.steady:
+        self.bounds: Bounds | None = None
+        if all(law.constant for law in laws):
             interfaces = [link.interface for link in links]
             each = [interface.bounds(new_pasts(interface.count)) for interface in interfaces]
-            self.bounds = JoinedBounds.of(each)
+            self.bounds = joined_bounds(each)
         self.turns = any(carrier.turns for carrier in self.carriers)
         self._of_interfaces: dict[tuple[bool, ...], Mask] = {}
         self._frames_of: tuple[bytes, Array] | None = None
