@@ -318,6 +318,10 @@ class _PartOfLayer(Layer):
         self._whole, self._chosen = whole, chosen
         self.size, self.direct = len(chosen), False
 
+    def part(self, chosen: NDArray[np.int64]) -> Layer:
+        """The layer of some of its nodes, in the order of their places here."""
+        return _PartOfLayer(self._whole, self._chosen[chosen])
+
     def gather(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Values of the chosen nodes."""
         return self._whole.gather(values)[self._chosen]

@@ -135,14 +135,7 @@ class BlockSurface:
 
     def corners_of(self, tag: int) -> FacePoints:
         """The corners of a face."""
-        chosen = np.array(self._faces.loops[tag])
-        points = self.hull.points
-        if isinstance(points, NodePoints):
-            return NodePoints(
-                points.body, points.layer, points.positions, chosen=points.chosen[chosen]
-            )
-        assert isinstance(self.body, RigidBox)
-        return RigidPoints(self.body, self._faces.corners[chosen])
+        return self.hull.points.some(np.array(self._faces.loops[tag]))
 
     def over(
         self,
@@ -192,7 +185,7 @@ def nodes_at(body: ElasticBody, places: Array) -> NodePoints:
     order = np.argsort(which, kind="stable")
     assert np.array_equal(which[order], np.arange(len(places)))
     rank, where, layer = shared_layer(space, numbers[order], positions[order], scale)
-    return NodePoints(body, layer, where, chosen=rank)
+    return NodePoints(body, layer, where).some(rank)
 
 
 def rigid_points(body: RigidBox, carrier: Carrier) -> tuple[Array, Array]:
@@ -265,19 +258,14 @@ def outline_points(
         return points
     along = points.reference @ frame[1:].T
     if rings is not None:
-        assert isinstance(points, NodePoints)
         near = 1e-9 * np.ptp(along, axis=0).max()
         off = np.min([distance_to_edges(along, ring @ frame[1:].T) for ring in rings], axis=0)
-        return NodePoints(
-            points.body, points.layer, points.reference, chosen=np.flatnonzero(off < near)
-        )
+        return points.some(np.flatnonzero(off < near))
     near = 1e-9 * np.ptp(along, axis=0)
     low, high = along.min(axis=0) + near, along.max(axis=0) - near
     extreme = (along < low) | (along > high)
-    if isinstance(points, FixedPoints):
-        return FixedPoints(points.reference[np.all(extreme, axis=1)])
-    outline = np.flatnonzero(np.any(extreme, axis=1))
-    return NodePoints(points.body, points.layer, points.reference, chosen=outline)
+    is_outer = np.all if isinstance(points, FixedPoints) else np.any
+    return points.some(np.flatnonzero(is_outer(extreme, axis=1)))
 
 
 def outline_of(face: Face, up: Array) -> Outline:

@@ -18,7 +18,6 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
-import scipy.sparse as sp
 
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.reduced_body import ReducedBody
@@ -320,7 +319,7 @@ class _ReadRows(NamedTuple):
     @classmethod
     def of(cls, port: InterfaceDofs, d: int) -> _ReadRows:
         """The rows of a group of ports."""
-        rows = sp.csr_matrix(port.read_rows)
+        rows = port.read_rows
         index = rows.indices.astype(np.int64)
         column = port.layer.numbers(index // d) * d + index % d
         return cls(rows.indptr.astype(np.int64), column, rows.data)

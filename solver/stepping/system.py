@@ -16,7 +16,6 @@ from solver.bodies.rigid_body import DenseBody, Oscillator
 from solver.contact.body_points import NitschePoints, NodePoints, SurfacePoints
 from solver.contact.interface import Interface
 from solver.contact.kinematics import Parts
-from solver.contact.nitsche_points import compact
 from solver.contact.pairs import Link
 from solver.scheme.generalized_alpha import TangentWeights
 from solver.stepping.compliance import Compliance, InterfaceDofs
@@ -160,18 +159,23 @@ def response_of(
 def ports_of(points: SurfacePoints, interface: Interface, *, tractions: bool) -> InterfaceDofs:
     """Rows between points of a meshed body, read with their tractions or not, and its nodes."""
     if isinstance(points, NodePoints):
-        d = points.dimension
-        rows = (points.chosen[:, None] * d + np.arange(d)).ravel()
-        rows = compact(sp.identity(points.layer.size * d, format="csr")[rows])
+        rows = sp.identity(points.count * points.dimension, format="csr")
         return InterfaceDofs(points.layer, rows, rows, points.count, symmetric=True)
     assert isinstance(points, NitschePoints)
     position = points.points.position_rows()
     if not tractions:
-        rows = compact(position)
-        return InterfaceDofs(points.points.layer, rows, rows, points.count, symmetric=True)
+        return InterfaceDofs(points.points.layer, position, position, points.count, symmetric=True)
     traction = points.points.traction_rows()
     scale = sp.diags(np.repeat(interface.inverse_gamma, points.dimension))
-    read = compact(position - scale @ traction)
-    force = compact(position - interface.theta * scale @ traction)
+    read = _without_zeros(position - scale @ traction)
+    force = _without_zeros(position - interface.theta * scale @ traction)
     symmetric = interface.theta == 1
     return InterfaceDofs(points.points.layer, force, read, points.count, symmetric=symmetric)
+
+
+def _without_zeros(matrix: sp.csr_matrix) -> sp.csr_matrix:
+    """A matrix without the entries that are zero, the others of each row in order."""
+    found = sp.csr_matrix(matrix)
+    found.eliminate_zeros()
+    found.sort_indices()
+    return found
