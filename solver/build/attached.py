@@ -177,7 +177,8 @@ class DeckHolder(Holder[MeshedPlace]):
         """A point of the top, between the nodes around it."""
         points, d = self._top.points, self._body.dimension
         state = points.observe(np.zeros(self._body.size))
-        projection = self._top.kinematics(place[None], state).projection
+        frame = self._top.reference_frame
+        projection = self._top.kinematics(place[None], state, frame).projection
         assert projection is not None
         rows = np.zeros((d, self._body.size))
         for row, along in zip(rows, np.eye(d), strict=True):

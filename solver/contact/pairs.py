@@ -334,7 +334,7 @@ def corner_area(upper: Face, thickness: float) -> float:
 
     In the plane the thickness is that of the upper body, m.
     """
-    d = len(upper.frame)
+    d = len(upper.reference_frame)
     return (upper.facet / 2) ** (d - 1) * (thickness if d == 2 else 1.0)
 
 
@@ -345,7 +345,7 @@ def edge_interfaces(
 
     The thickness is that of `corner_area`.
     """
-    d, area = len(lower.frame), corner_area(upper, thickness)
+    d, area = len(lower.reference_frame), corner_area(upper, thickness)
     outline = outline_points(lower.points, lower.reference_frame, lower.rings)
     found = [Interface(outline, upper, law, bed=bed, corner_area=area, of_edge=True)]
     if d == 3:

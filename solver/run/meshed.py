@@ -27,7 +27,6 @@ from solver.run.pair_observer import PairObserver
 from solver.scene import Scene
 from solver.scheme.step_control import Ladder, Tolerance
 from solver.stepping.contact_solve import StepFailed
-from solver.stepping.interfaces import InterfaceState
 from solver.stepping.local_error import Judge, LocalError
 from solver.stepping.state import Exchange, State
 from solver.types import Array
@@ -40,7 +39,6 @@ class _Ahead(NamedTuple):
     dt: float
     new: State
     exchange: Exchange
-    standing: InterfaceState
 
 
 class MeshedRun:
@@ -197,23 +195,22 @@ class MeshedRun:
         """A step from a state to a time; one that was looked ahead to is not solved twice."""
         ahead, self._ahead = self._ahead, None
         if ahead and ahead.start is start and ahead.dt == dt:
-            self._stepper.stand(ahead.standing)
+            self._stepper.join(ahead.new.active)
             return ahead.new._replace(time=end), ahead.exchange
         return self._stepper.advance(start, dt, end)
 
     def _following(self, start: State, dt: float) -> State | None:
         """Look ahead to the state a step after another; None if the step fails.
 
-        The stepper stands where it stood: row and fields of the step before are read through it.
+        Active interfaces are those of the step before again: its row and fields are read by them.
         """
-        before = self._stepper.standing()
         try:
             new, exchange = self._stepper.advance(start, dt)
-            self._ahead = _Ahead(start, dt, new, exchange, self._stepper.standing())
+            self._ahead = _Ahead(start, dt, new, exchange)
         except StepFailed:
             return None
         finally:
-            self._stepper.stand(before)
+            self._stepper.join(start.active)
         return new
 
     def _take(

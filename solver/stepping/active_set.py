@@ -208,14 +208,14 @@ class ActiveSet:
 
     def _has_contact(self, number: int, u: Array, moved: Sequence[float]) -> bool:
         """True if an inactive interface is in contact at u; bodies moved by at most so much, m."""
-        link, before = self._points.links[number], self._memories[number].clear
+        link, memory = self._points.links[number], self._memories[number]
         moved_by = sum(moved[body] for body in (link.body, link.carrier) if body is not None)
         self._observed.pop(number, None)
-        clear = before - moved_by
+        clear = memory.clear - moved_by
         if clear <= STEPS_AHEAD * moved_by:
-            self.overran |= before > 0.0 and clear + self._margin(number) <= 0.0
-            seen = self._observed[number] = self._points.observe(number, u)
-            if not before and self._clearance(number, seen[1]) < 0:
+            self.overran |= memory.clear > 0.0 and clear + self._margin(number) <= 0.0
+            seen = self._observed[number] = self._points.observe(number, u, memory)
+            if not memory.clear and self._clearance(number, seen[1]) < 0:
                 return True
             clear = link.interface.apart(*seen) - self._margin(number)
         self._clear[number] = clear if clear > STEPS_AHEAD * moved_by else 0.0

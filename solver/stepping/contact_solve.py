@@ -20,7 +20,8 @@ import numpy as np
 from solver.bodies.factorization import Inverse
 from solver.bodies.memory import kept_limit
 from solver.bodies.rigid_body import DenseBody
-from solver.contact.kinematics import ContactKinematics, ForceWeights, Observed
+from solver.contact.kinematics import ContactIncrement, ContactKinematics, ForceWeights
+from solver.contact.memory import Memory
 from solver.contact.pairs import Link
 from solver.law.local_problem import LocalProblem, NoContactSolution
 from solver.parallel import any_rank, global_sums
@@ -74,14 +75,14 @@ class ActivePair(NamedTuple):
     Attributes:
         number: Its number.
         link: The interface, and its bodies.
-        before: Where it was at t_n, in the frame of the step; None in equilibrium.
+        start: Its memory that the step starts from.
         force: Its part of the point forces, which corrections write to, (points, d), N.
         weights: How they count in a residual.
     """
 
     number: int
     link: Link
-    before: Observed | None
+    start: Memory
     force: Array
     weights: ForceWeights
 
@@ -113,7 +114,6 @@ class StepProblem:
         # Of each body its response, where its unknowns are, and its rotation at t_n.
         starts = model.system.slices, balance.rotations
         self._bodies = tuple(zip(tangents.responses, *starts, strict=True))
-        self._frames = model.points.frames
         if model.points.turns:
             tangents.operator = None
         # At the iterate: its displacement, the state of each interface, and kinematics.
@@ -141,9 +141,11 @@ class StepProblem:
         residual, self.inertia = self._balance.smooth_residual(self._system, u)
         seen, parts = self._remembered.copy(), self._system.parts
         kinematics: list[ContactKinematics | None] = [None] * len(seen)
-        for number, link, before, force, weights in self._active:
-            at, on = parts(u, link), parts(residual, link)
-            seen[number] = found = link.interface.evaluate_forces(before, at, force, on, weights)
+        for number, link, start, force, weights in self._active:
+            seen[number] = found = link.interface.observe(*parts(u, link), start)
+            # In equilibrium what is seen counts at both ends.
+            increment = ContactIncrement(found if self._static else start.seen, found, force)
+            link.interface.add_forces(increment, parts(residual, link), weights)
             kinematics[number] = found[1]
         if self._attached is not None:
             self.pull = pull = self._attached.at(u)
@@ -162,10 +164,9 @@ class StepProblem:
         for number, inactive in enumerate(self.active_set.inactive):
             if not inactive:
                 link, force = points.links[number], self.contact.force[points.own[number]]
-                before = None if self._static else self._remembered[number]
                 tangent = balance.weights[link.body or 0]
                 weights = ForceWeights.of(tangent.contact, tangent.interface, sign=-1.0)
-                found.append(ActivePair(number, link, before, force, weights))
+                found.append(ActivePair(number, link, balance.contact[number], force, weights))
         return found
 
     def acceleration(self) -> float:
@@ -215,7 +216,7 @@ class StepProblem:
         for k, (response, own, _) in enumerate(self._bodies):
             at = self._configurations[k]
             free = response.free(at, residual[own])
-            response.read(at, free, y, self._frames, self._kinematics)
+            response.read(at, free, y, self._kinematics)
             found.append(free)
         return found
 
@@ -228,7 +229,7 @@ class StepProblem:
 
         def read(number: int, motion: Any, moved: Array) -> None:
             at, response = self._configurations[number], self._bodies[number][0]
-            response.read(at, motion, moved, self._frames, self._kinematics)
+            response.read(at, motion, moved, self._kinematics)
 
         bodies = CorrectedBodies(self._configurations, free, read, y.shape, self._weight)
         links = LinkCorrection(self._attached, self.pull, self._tangents.places, bodies)
@@ -293,11 +294,11 @@ class StepProblem:
 
     def _delassus(self, near: Indices) -> Delassus:
         """The operator at some points, with all bodies as they are at the iterate."""
-        points = self._points
+        points, seen = self._points, self._kinematics
         return assembled(
             self._tangents.responses,
             self._configurations,
-            CandidateSet(near, points.frames_at(near), self._kinematics),
+            CandidateSet(near, points.frames_at(near, seen), seen),
             contact_weight=self._weight,
             softness=points.softness,
             beds=self.contact.beds,

@@ -183,7 +183,7 @@ class VelocityImpulses:
                 response.of_mass(u[own])
                 for response, own in zip(self._responses, self.system.slices, strict=True)
             ],
-            CandidateSet(closed, self._points.frames_at(closed), kinematics),
+            CandidateSet(closed, self._points.frames_at(closed, kinematics), kinematics),
             contact_weight=1.0,
             softness=self._points.no_bed,
             beds=None,

@@ -8,9 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from solver.bodies.kinematics import RigidMotion
-from solver.contact.carriers import Face
-from solver.contact.edge_crossings import CrossingInterface, Crossings
-from solver.contact.interface import carry_over, rotate_frame
+from solver.contact.edge_crossings import CrossingInterface
+from solver.contact.interface import carry_over, turned
 from solver.contact.memory import Memory
 from solver.contact.pairs import TURN, ContactPair, Link
 from solver.stepping.state import State
@@ -34,35 +33,6 @@ class StepStart(NamedTuple):
     active: Active
     contacts: Sequence[Memory]
     exchanged: float
-
-
-class InterfaceState(NamedTuple):
-    """Frames of carriers and crossings of edges in a step.
-
-    Attributes:
-        active: What is active of each pair.
-        settled: For each interface the frame of its carrier, or the contacts of its edges.
-    """
-
-    active: Active
-    settled: tuple[Any, ...]
-
-    @classmethod
-    def of(cls, active: Active, links: Sequence[Link]) -> InterfaceState:
-        """The state of these interfaces now."""
-        carriers = [link.interface.carrier for link in links]
-        return cls(
-            active, tuple(c.detected if isinstance(c, Crossings) else c.frame for c in carriers)
-        )
-
-    def restore(self, links: Sequence[Link]) -> None:
-        """Set the interfaces of the same pairs to this state."""
-        for link, settled in zip(links, self.settled, strict=True):
-            carrier = link.interface.carrier
-            if isinstance(carrier, Crossings):
-                carrier.detected = settled
-            elif isinstance(carrier, Face):
-                carrier.frame = settled
 
 
 class BodiesInStep:
@@ -207,10 +177,9 @@ class Interfaces:
     def _fresh(self, link: Link, state: State) -> Memory:
         """The memory of an interface without contact forces in a state."""
         bodies = BodiesInStep(self._system, state, 0.0)
-        if link.carrier is not None:
-            link.interface.carrier.rotate_frame(bodies.rotation(link.carrier))
         own, carrier = bodies.unknowns(link.body), bodies.unknowns(link.carrier)
-        return link.interface.start(own, carrier, bodies.rotation(link.body))
+        rotations = bodies.rotation(link.body), bodies.rotation(link.carrier)
+        return link.interface.start(own, carrier, *rotations)
 
     def energy(self, active: Active, contacts: Sequence[Memory]) -> float:
         """Energy stored in all interfaces, J."""
@@ -257,7 +226,7 @@ class Interfaces:
             if link.carrier is not None and link.interface.carrier.turns:
                 carrier = self._system.rotation(ahead, link.carrier)
             own = bodies.rotation(link.body)
-            memory, lost = rotate_frame(link.interface, memory, own, carrier)
+            memory, lost = turned(link.interface, memory, own, carrier)
             exchanged += lost
             found.append(memory)
         return StepStart(active, found, exchanged)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.contact.bed import Yielding
-from solver.contact.kinematics import Observed
+from solver.contact.kinematics import ContactKinematics, Observed
 from solver.contact.memory import Memory
 from solver.contact.pairs import Link
 from solver.law.friction import Bounds, new_pasts
@@ -92,27 +92,25 @@ class PointTable:
             self._of_interfaces[chosen] = np.repeat(chosen, counts)
         return self._of_interfaces[chosen]
 
-    @property
-    def frames(self) -> list[Array]:
-        """Frames of the carriers in the present step, of each interface."""
-        return [carrier.frame for carrier in self.carriers]
+    def frames_at(self, chosen: Indices, seen: Sequence[ContactKinematics | None]) -> Array:
+        """Frames at some of the points, whose numbers rise, (m, d, d); to be read only.
 
-    def frames_at(self, chosen: Indices) -> Array:
-        """Frames at some of the points, whose numbers rise, (m, d, d); to be read only."""
+        By the kinematics of all interfaces; None for one that has none of the points.
+        """
         key, kept = chosen.tobytes(), self._frames_of
         if self.turns or kept is None or kept[0] != key:
-            kept = self._frames_of = key, self._new_frames(chosen)
+            kept = self._frames_of = key, self._new_frames(chosen, seen)
         return kept[1]
 
-    def _new_frames(self, chosen: Indices) -> Array:
+    def _new_frames(self, chosen: Indices, seen: Sequence[ContactKinematics | None]) -> Array:
         """Frames at some of the points, put together."""
-        frames = self.frames
-        d = frames[0].shape[-1]
+        d = self._system.dimension
         found = np.empty((len(chosen), d, d))
-        for frame, part in zip(frames, self.own, strict=True):
+        for kinematics, part in zip(seen, self.own, strict=True):
             first, last = chosen.searchsorted((part.start, part.stop))
-            own = chosen[first:last] - part.start
-            found[first:last] = frame if frame.ndim == 2 else frame[own]
+            if kinematics is not None:
+                own, frame = chosen[first:last] - part.start, kinematics.frame
+                found[first:last] = frame if frame.ndim == 2 else frame[own]
         return found
 
     def beds(self, memories: Sequence[Memory], step: float) -> Yielding | None:
@@ -138,7 +136,7 @@ class PointTable:
                 rests[own] = rest
         return rests
 
-    def observe(self, number: int, u: Array) -> Observed:
-        """An interface at a displacement of all owned unknowns."""
+    def observe(self, number: int, u: Array, since: Memory) -> Observed:
+        """An interface at a displacement of all owned unknowns, in a step since a memory."""
         link = self.links[number]
-        return link.interface.observe(*self._system.parts(u, link))
+        return link.interface.observe(*self._system.parts(u, link), since)

@@ -127,7 +127,6 @@ class Response(Protocol[Configuration, Coupling, Motion]):
         at: Configuration,
         free: Motion,
         moved: Array,
-        frames: Sequence[Array],
         kinematics: Kinematics,
     ) -> None:
         """Add what a free motion does to the augmented positions of all points to `moved`."""
@@ -241,15 +240,14 @@ class DenseResponse:
         at: DenseConfiguration,
         free: Array,
         moved: Array,
-        frames: Sequence[Array],
         kinematics: Kinematics,
     ) -> None:
         """Add what a free motion does to the positions of all points to `moved`."""
         for number, side in enumerate(self.sides):
-            if kinematics[side.interface] is None:
-                continue
-            rows = self._at(at, number, kinematics)
-            moved[side.own] += in_frames(rows @ free, frames[side.interface])
+            seen = kinematics[side.interface]
+            if seen is not None:
+                rows = self._at(at, number, kinematics)
+                moved[side.own] += in_frames(rows @ free, seen.frame)
 
     def couple(self, at: DenseConfiguration, near: CandidateSet, weight: float, W: Array) -> Array:
         """Add the compliance among near points; returns their rows, (m, d, unknowns)."""
@@ -398,16 +396,15 @@ class ElasticResponse:
         at: Array,
         free: ElasticMotion,
         moved: Array,
-        frames: Sequence[Array],
         kinematics: Kinematics,
     ) -> None:
         """Add what a free motion does to the augmented positions of all points to `moved`."""
         for side, port, rows in zip(self.sides, self.compliance.ports, self._rows, strict=True):
-            if kinematics[side.interface] is None:
+            seen = kinematics[side.interface]
+            if seen is None:
                 continue
             nodes = port.layer.reached(free.nodes.reshape(-1, self.body.dimension)).reshape(-1)
-            frame = frames[side.interface]
-            each = frame[None] if frame.ndim == 2 else frame
+            each = seen.frame[None] if seen.frame.ndim == 2 else seen.frame
             spots = side.spots(kinematics)
             if spots is None:
                 meshed.add_readings(moved, side.first, side.sign, *rows, nodes, free.push, each, at)

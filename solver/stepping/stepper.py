@@ -33,7 +33,7 @@ from solver.stepping.balance import (
 )
 from solver.stepping.contact_solve import ContactSolve, StepFailed
 from solver.stepping.impulses import UNCHANGED, VelocityCorrection, VelocityImpulses
-from solver.stepping.interfaces import Active, Interfaces, InterfaceState, StepStart
+from solver.stepping.interfaces import Active, Interfaces, StepStart
 from solver.stepping.ledger import StepEnds, beyond_law, numerical_loss, step_sums
 from solver.stepping.point_table import joined
 from solver.stepping.pushes import pushes
@@ -101,7 +101,7 @@ class Stepper:
         self._petsc_options = tuple(petsc_options)
         self._resources = ExitStack()
 
-    def _join(self, active: Active) -> None:
+    def join(self, active: Active) -> None:
         """Make these interfaces the active ones; tangents change with them."""
         if active is self._active or active == self._active:
             return
@@ -121,22 +121,11 @@ class Stepper:
     def prepare(self, state: State, dt: float) -> StepStart:
         """Start of a step of length `dt` (s) from a state.
 
-        The frames of carriers are those of this step afterwards, and faces that have turned to
-        others are active; the state stays as it is.
+        Faces that have turned to others are active afterwards; the state stays as it is.
         """
         active = self._interfaces.active(state, dt, state.active)
-        self._join(active)
+        self.join(active)
         return self._interfaces.start(state, active, dt)
-
-    def standing(self) -> InterfaceState:
-        """Frames of the interfaces in the step that was prepared last, for `stand`."""
-        assert self._active is not None
-        return InterfaceState.of(self._active, self.links)
-
-    def stand(self, standing: InterfaceState) -> None:
-        """Let the interfaces stand as in an earlier step."""
-        self._join(standing.active)
-        standing.restore(self.links)
 
     def saved(self) -> dict[str, Any]:
         """Data that the digits of further steps depend on besides the state, for `resume`."""
@@ -155,7 +144,7 @@ class Stepper:
         for body, strained_at in zip(self.system.bodies, saved["strained"], strict=True):
             if isinstance(body, ElasticBody) and strained_at is not None:
                 body.resume_stiffness(strained_at)
-        self._join(saved["active"])
+        self.join(saved["active"])
         self._solve.resume(saved["solve"])
         if saved["impulses"] is not None:
             self._impulses = VelocityImpulses(self.system, self.links, self.local)
@@ -174,7 +163,7 @@ class Stepper:
         """A state whose inertia balances stresses, without loads and contact forces (r_0 = 0)."""
         state = State(time, u, v, p=np.zeros_like(u), contacts=(), motions={})
         active = self._interfaces.active(state, 0.0, None)
-        self._join(active)
+        self.join(active)
         contacts = self._interfaces.fresh(active, state)
         return self._begun(state._replace(contacts=contacts, active=active))
 
@@ -218,7 +207,7 @@ class Stepper:
             StepFailed: Where there is no equilibrium.
         """
         state = start or self.start(u, np.zeros_like(u))
-        self._join(state.active)
+        self.join(state.active)
         system = self.system
         for body, own in system.members:
             body.begin_static(u[own])
@@ -280,7 +269,7 @@ class Stepper:
             while step.attached and solution.pull and step.attached.breaks_at(solution.pull):
                 solution = self._solve.solve(balance, guess)
         except StepFailed:
-            self._join(state.active)
+            self.join(state.active)
             raise
         return self._ended(state, step, solution, state.time + dt if end is None else end)
 
@@ -322,7 +311,7 @@ class Stepper:
         contacts, lost = remembered(self.links, old, solution.contacts, dt)
         sums = step_sums(system, ends, p - step.p)
         if not math.isfinite(sums.energies.strain):
-            self._join(state.active)
+            self.join(state.active)
             raise StepFailed(beyond_law(system, u))
         correction = self._velocity_correction(u, v, solution, step, lost.friction)
         held, ground = state.held, None
@@ -355,7 +344,7 @@ class Stepper:
             damped_until=end + self.scheme.damped_time if changed else state.damped_until,
         )
         if self._interfaces.overlap(new):
-            self._join(state.active)
+            self.join(state.active)
             raise StepFailed("bodies that were far apart have come to overlap")
         averaged = numerical_loss(sums, self.links, old=old, new=contacts, skew=step.scheme.skew)
         exchange = Exchange(
