@@ -11,7 +11,7 @@ from solver.bodies.kinematics import RigidMotion
 from solver.contact.edge_crossings import CrossingInterface
 from solver.contact.interface import carry_over, turned
 from solver.contact.memory import Memory
-from solver.contact.pairs import TURN, ContactPair, Link
+from solver.contact.pairs import TURN, ContactPair, Link, PairSearch
 from solver.stepping.state import State
 from solver.stepping.system import System
 from solver.types import Array, Mask
@@ -77,7 +77,7 @@ class PairWatch:
 
     def __init__(self, system: System, pairs: Sequence[ContactPair]):
         """Watch the pairs."""
-        self._system, self._pairs = system, pairs
+        self._system = system
         d, still = system.dimension, len(system.bodies)
         self._ends = np.array(
             [
@@ -108,11 +108,10 @@ class PairWatch:
         way = moved + step * speed + self._reach * turn
         return np.asarray((way >= self._slack) | (turn >= TURN))
 
-    def looked(self, number: int) -> None:
+    def looked(self, number: int, found: PairSearch) -> None:
         """Watch a pair, by its number, from where it has been looked at."""
-        pair = self._pairs[number]
         self._looked[number, :, : self._placed] = self._now[self._ends[number], : self._placed]
-        self._reach[number], self._slack[number] = pair.reach, pair.slack
+        self._reach[number], self._slack[number] = found.reach, found.slack
 
 
 class Interfaces:
@@ -122,6 +121,7 @@ class Interfaces:
         """Take the bodies and the pairs that may touch."""
         self._system, self._pairs = system, tuple(pairs)
         self._watch = PairWatch(system, self._pairs)
+        self._found: list[PairSearch | None] = [None] * len(self._pairs)  # when looked at last
         self._last: Active | None = None
         self._links: tuple[tuple[Link, ...], ...] = ()  # of what was active last, pair by pair
         self._flat: tuple[Link, ...] = ()
@@ -151,9 +151,11 @@ class Interfaces:
         found = list(before or [None] * len(self._pairs))
         may_change = self._watch.may_change(state, step)
         for number, pair in enumerate(self._pairs):
-            if may_change[number] or pair.looked != (found[number],):
-                found[number] = pair.active(bodies, found[number])
-                self._watch.looked(number)
+            last = self._found[number]
+            if may_change[number] or last is None or last.active != found[number]:
+                last = self._found[number] = pair.search(bodies, found[number])
+                found[number] = last.active
+                self._watch.looked(number, last)
         return before if before is not None and tuple(found) == before else tuple(found)
 
     def overlap(self, state: State) -> bool:
