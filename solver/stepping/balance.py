@@ -19,7 +19,7 @@ from solver.contact.pairs import Link
 from solver.law.friction import Bounds
 from solver.parallel import global_sums
 from solver.scheme.generalized_alpha import GeneralizedAlpha, TangentWeights
-from solver.stepping.attached import Pull, StepAttached
+from solver.stepping.attached import AttachedForces, StepAttached
 from solver.stepping.convergence import ResidualTolerance
 from solver.stepping.interfaces import StepStart
 from solver.stepping.ledger import StepEnds, energies
@@ -192,7 +192,7 @@ class StepSolution(NamedTuple):
     """Corrections that it took."""
     held: Array
     """The residual at the unknowns that do not move, `System.fixed`, N."""
-    pull: Pull | None = None
+    on_places: AttachedForces | None = None
     """What links and forces do; None without any."""
 
 
@@ -294,7 +294,7 @@ def inertia_force(
     step: Step,
     ends: StepEnds,
     contacts: Sequence[Contact],
-    pull: Pull | None = None,
+    on_places: AttachedForces | None = None,
 ) -> Array:
     """p_{n+1} = M a_tot less impulses/(2 beta), in the frame of the middle of the step.
 
@@ -318,8 +318,8 @@ def inertia_force(
             continue
         increment = ContactIncrement(memory.seen, c.seen, c.force)
         link.interface.add_forces(increment, system.parts(p, link), weights)
-    if step.attached is not None and pull is not None:
-        step.attached.add_forces(p, ends.u, -impulse * pull.force)
+    if step.attached is not None and on_places is not None:
+        step.attached.add_forces(p, ends.u, -impulse * on_places.force)
     return p
 
 

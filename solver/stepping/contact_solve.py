@@ -33,7 +33,7 @@ from solver.stepping.active_set import (
     EdgeWatch,
     points_beyond,
 )
-from solver.stepping.attached import Attached, Pull
+from solver.stepping.attached import Attached, AttachedForces
 from solver.stepping.balance import Balance, Contact, StepSolution
 from solver.stepping.delassus import (
     Delassus,
@@ -125,15 +125,15 @@ class StepProblem:
         self.inertia: Array = self.held
         self._residual: Array = self.held
         self._attached = balance.attached
-        self.pull: Pull | None = None
+        self.on_places: AttachedForces | None = None
         """What links and forces do at the iterate; None without any."""
 
     @property
     def forces(self) -> float:
         """Largest norm of the contact forces so far, or of those of links, N."""
-        if self.pull is None:
+        if self.on_places is None:
             return self.contact.largest
-        links = self._weight * float(np.linalg.norm(self.pull.links.force))
+        links = self._weight * float(np.linalg.norm(self.on_places.links.force))
         return max(self.contact.largest, links)
 
     def residual(self, u: Array) -> Array:
@@ -148,8 +148,8 @@ class StepProblem:
             link.interface.add_forces(increment, parts(residual, link), weights)
             kinematics[number] = found[1]
         if self._attached is not None:
-            self.pull = pull = self._attached.at(u)
-            self._attached.add_forces(residual, u, -self._weight * pull.force)
+            self.on_places = on_places = self._attached.at(u)
+            self._attached.add_forces(residual, u, -self._weight * on_places.force)
         fixed = self._system.fixed
         if len(fixed):
             self.held = residual.take(fixed)
@@ -224,7 +224,7 @@ class StepProblem:
         self, free: list[Any], y: Array
     ) -> tuple[list[Any], Delassus, Array | None]:
         """Let point forces and links obey their laws; the motions of bodies with links besides."""
-        assert self._attached is not None and self.pull is not None
+        assert self._attached is not None and self.on_places is not None
         forces, force = self.contact.force, self.contact.force.copy()
 
         def read(number: int, motion: Any, moved: Array) -> None:
@@ -232,7 +232,7 @@ class StepProblem:
             response.read(at, motion, moved, self._kinematics)
 
         bodies = CorrectedBodies(self._configurations, free, read, y.shape, self._weight)
-        links = LinkCorrection(self._attached, self.pull, self._tangents.places, bodies)
+        links = LinkCorrection(self._attached, self.on_places, self._tangents.places, bodies)
         while True:
             operator, change = self._settled(links.positions(y), links.condensed)
             near = operator.near.number
@@ -423,7 +423,7 @@ class ContactSolve:
             inertia=problem.inertia,
             iterations=iterations,
             held=problem.held,
-            pull=problem.pull,
+            on_places=problem.on_places,
         )
 
     def _restiffens(self, balance: Balance) -> bool:
@@ -476,7 +476,7 @@ class ContactSolve:
         """How the places of links move, body by body; none where there are no links."""
         if self._attached is None or not self._attached.links.count:
             return ()
-        members = self._attached.attachments.members
+        members = self._attached.members
         return [
             place_response(responses[number], attachment) for number, _, _, attachment in members
         ]

@@ -172,7 +172,7 @@ class Stepper:
         state = consistent(self.system, self.links, state)
         if self.attached is None:
             return state
-        places, links = self.attached.attachments.values(state.u), self.attached.links
+        places, links = self.attached.values(state.u), self.attached.links
         memory = links.start(places)
         return state._replace(body_links=memory, spring=state.spring + links.energy(memory))
 
@@ -213,9 +213,9 @@ class Stepper:
             body.begin_static(u[own])
         gravity = self.gravity @ system.directional_mass
         total = gravity if load is None else gravity + load
-        standing, loads = self._standing(u, pushed=pushed), total
-        if standing is not None:
-            loads = standing.with_loads(total, 1.0)
+        attached, loads = self._attached_at_rest(u, pushed=pushed), total
+        if attached is not None:
+            loads = attached.with_loads(total, 1.0)
         balance = Balance(
             contact=state.contacts,
             weights=static_weights(system.bodies, steady),
@@ -225,7 +225,7 @@ class Stepper:
             way=None,
             rotations=[None] * len(system.bodies),
             glued=glued,
-            attached=standing,
+            attached=attached,
         )
         solution = self._solve.solve(balance, u)
         contacts, _ = remembered(self.links, state.contacts, solution.contacts, np.inf)
@@ -237,11 +237,11 @@ class Stepper:
             raise StepFailed(beyond_law(system, u))
         return stands
 
-    def _standing(self, u: Array, *, pushed: bool) -> StepAttached | None:
+    def _attached_at_rest(self, u: Array, *, pushed: bool) -> StepAttached | None:
         """Links and forces in an equilibrium; None without any."""
         if self.attached is None:
             return None
-        applied = self.attached.applied(0.0, 0.0, self.system.dimension)
+        applied = self.attached.applied(0.0, 0.0)
         return StepAttached(self.attached, u, applied * pushed, None, np.inf)
 
     def _load(self, time: float, dt: float) -> Array:
@@ -262,11 +262,12 @@ class Stepper:
             StepFailed: The state can then be tried again with another step.
         """
         step = self._begin(state, dt)
+        attached = step.attached
         balance = balance_of(self.system, state, step, self._weights(step.scheme, dt))
         guess = extrapolated(self.system, state, step.turning)
         try:
             solution = self._solve.solve(balance, guess)
-            while step.attached and solution.pull and step.attached.breaks_at(solution.pull):
+            while attached and solution.on_places and attached.breaks_at(solution.on_places):
                 solution = self._solve.solve(balance, guess)
         except StepFailed:
             self.join(state.active)
@@ -280,7 +281,7 @@ class Stepper:
         motions = [state.rigid_motion(self.system, number) for number in bodies]
         attached = None
         if self.attached is not None:
-            applied = self.attached.applied(state.time, dt, self.system.dimension)
+            applied = self.attached.applied(state.time, dt)
             attached = StepAttached(self.attached, state.u, applied, state.body_links, dt)
         turning = RotationPrediction.of([motion.spin for motion in motions], dt, state.turning)
         return Step(
@@ -304,7 +305,9 @@ class Stepper:
         v = 2 * mean - state.v
         impulsive, residual = impulsive_forces(system, u, dt), solution.residual
         ends = StepEnds(dt, u, v, du, mean, impulsive, residual, solution.inertia)
-        p = inertia_force(system, self.links, state, step, ends, solution.contacts, solution.pull)
+        p = inertia_force(
+            system, self.links, state, step, ends, solution.contacts, solution.on_places
+        )
         at_supports: Array = np.empty(0)
         if len(system.fixed):
             at_supports, p[system.fixed] = p[system.fixed], 0.0
@@ -322,8 +325,8 @@ class Stepper:
                 ground = with_impulses(system, ground, correction.change, dt)
         changed = any_rank(system.comm, contact_changed(old, contacts, self._rigid))
         pulled = UNATTACHED
-        if step.attached is not None and solution.pull is not None:
-            pulled = step.attached.end(solution.pull, state.time)
+        if step.attached is not None and solution.on_places is not None:
+            pulled = step.attached.end(solution.on_places, state.time)
             changed = changed or bool(step.attached.breaks.any())
         new = State(
             time=end,
