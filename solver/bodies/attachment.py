@@ -16,6 +16,7 @@ import scipy.sparse as sp
 import ufl
 from dolfinx import fem, geometry, la, mesh
 
+from solver.bodies.body import Body
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.packed_form import PackedForm
 from solver.bodies.reduced_body import ReducedBody
@@ -108,10 +109,11 @@ Attachment = MeshedAttachment | RigidAttachment
 """Places of a body."""
 
 
-def attachment_of(body: ElasticBody | ReducedBody | DenseBody, places: Sequence[Any]) -> Attachment:
+def attachment_of(body: Body, places: Sequence[Any]) -> Attachment:
     """The places of a body, each of the kind that it has."""
     if isinstance(body, DenseBody):
         return RigidAttachment(body, places)
+    assert isinstance(body, ElasticBody | ReducedBody)
     return MeshedAttachment(body, places)
 
 

@@ -10,6 +10,7 @@ from mpi4py import MPI
 
 import numpy as np
 
+from solver.bodies.body import Body
 from solver.bodies.rigid_body import RigidBox
 from solver.build.attached import attached_of
 from solver.build.block_body import BlockBody, block_body
@@ -23,7 +24,7 @@ from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.stepping.contact_solve import StepFailed
 from solver.stepping.state import State
 from solver.stepping.stepper import Stepper
-from solver.stepping.system import Body, System
+from solver.stepping.system import System
 from solver.types import Array
 
 

@@ -54,7 +54,7 @@ class Snapshots:
             elif isinstance(body, ReducedBody):
                 if body.parts is not None:
                     self._bodies.append(ReducedFields(run, number, body.parts, files))
-            else:
+            elif isinstance(body, DenseBody):
                 corners = body.corners if isinstance(body, RigidBox) else platform_corners(scene)
                 loops = body.shape.loops() if isinstance(body, RigidBox) else None
                 own = one_cell(corners) if loops is None else triangles(corners, loops)

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from solver.bodies.body import Body
 from solver.bodies.rigid_body import DenseBody
 from solver.contact.body_points import SurfaceState
 from solver.contact.kinematics import ContactIncrement, ContactKinematics, ForceWeights, Observed
@@ -25,7 +26,7 @@ from solver.stepping.interfaces import StepStart
 from solver.stepping.ledger import StepEnds, energies
 from solver.stepping.point_table import joined
 from solver.stepping.state import RotationPrediction, State
-from solver.stepping.system import Body, System
+from solver.stepping.system import System
 from solver.types import Array
 
 RESIDUAL_TOLERANCE = 1e-8
@@ -340,10 +341,7 @@ def remembered(
 
 def static_weights(bodies: Sequence[Body], steady: float) -> list[TangentWeights]:
     """Weights of equilibrium: a mass term holds the rigid motions of the tangent."""
-    stiffness = max(
-        (body.rigidity for body in bodies if not isinstance(body, DenseBody)),
-        default=1.0,
-    )
+    stiffness = max(body.rigidity for body in bodies) or 1.0
     return [
         TangentWeights(
             mass=steady * stiffness / body.mass,

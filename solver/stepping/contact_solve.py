@@ -17,7 +17,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from solver.bodies.factorization import Inverse
 from solver.bodies.memory import kept_limit
 from solver.bodies.rigid_body import DenseBody
 from solver.contact.kinematics import ContactIncrement, ContactKinematics, ForceWeights
@@ -58,7 +57,7 @@ from solver.stepping.response import (
     saved_compliances,
 )
 from solver.stepping.step_contact import ContactModel, OthersNear, StepContact
-from solver.stepping.system import Body, System, response_of
+from solver.stepping.system import System, response_of
 from solver.types import Array, Indices, Mask
 
 PLACED_CORRECTIONS = 2
@@ -464,7 +463,7 @@ class ContactSolve:
             self._make_room()
             system, links = self._model.system, self._model.points.links
             responses = [
-                response_of(system, number, links, _factor(body, own), own)
+                response_of(system, number, links, body.factorization(own), own)
                 for number, (body, own) in enumerate(zip(system.bodies, weights, strict=True))
             ]
             self._tangents[weights] = Tangents(responses, places=self._places(responses))
@@ -490,12 +489,4 @@ class ContactSolve:
                 return
             del self._tangents[weights]
             for body, own in zip(self._model.system.bodies, weights, strict=True):
-                if not isinstance(body, DenseBody):
-                    body.forget(own)
-
-
-def _factor(body: Body, weights: TangentWeights) -> Inverse | Array:
-    """The factorized tangent of a meshed body; the diagonal of a rigid one's."""
-    if isinstance(body, DenseBody):
-        return body.tangent(weights)
-    return body.factorization(weights)
+                body.forget(own)

@@ -88,7 +88,7 @@ class PairWatch:
         # Of each body its displacement, rotation, velocity and spin; the last one stands still.
         sizes = d, d * d, d, 1 if d == 2 else 3
         self._placed = d + d * d
-        self._now = np.zeros((still + 1, sum(sizes)))
+        self._now: Array = np.zeros((still + 1, sum(sizes)))
         self._looked = np.zeros((len(pairs), 2, sum(sizes)))
         self._reach, self._slack = np.zeros((2, len(pairs)))
         self._sums = np.tile(np.repeat(np.eye(4), sizes, axis=0), (2, 1))
@@ -97,10 +97,10 @@ class PairWatch:
     def may_change(self, state: State, step: float) -> Mask:
         """Pairs that have to be looked at in a step of a length (s) from a state, (pairs,)."""
         if state is not self._state:
-            for body, row in enumerate(self._now[:-1]):
+            for body in range(len(self._now) - 1):
                 moved, velocity, spin, rotation = state.rigid_motion(self._system, body)
                 own = np.concatenate([moved, rotation.ravel(), velocity, spin])
-                row[: len(own)] = own  # what cannot turn has no spin
+                self._now[body, : len(own)] = own  # what cannot turn has no spin
             self._state = state
         change = np.abs(self._now.take(self._ends, axis=0) - self._looked)
         moved, turned, speed, spin = (change.reshape(len(change), -1) @ self._sums).T

@@ -179,7 +179,7 @@ class DenseResponse:
     def __init__(self, body: DenseBody, tangent: Array, sides: Sequence[BodyRole]):
         """Take the body, the diagonal of its tangent or mass, and its parts in interfaces."""
         self.body, self.tangent, self.sides = body, tangent, sides
-        self._standing = None if body.turns else self._configuration(np.zeros(body.unknowns))
+        self._standing = self._configuration(np.zeros(body.unknowns)) if body.clamped else None
 
     @property
     def nbytes(self) -> float:
@@ -204,7 +204,7 @@ class DenseResponse:
             np.repeat(-rows_of_side[:1], side.count, axis=0)
             for side, rows_of_side in zip(self.sides, rows, strict=True)
         ]
-        return DenseConfiguration(pose if self.body.turns else None, rows, level)
+        return DenseConfiguration(None if self.body.clamped else pose, rows, level)
 
     def close(self, now: DenseConfiguration, before: DenseConfiguration) -> bool:
         """True if the body has not moved, or has the same rows wherever it is."""

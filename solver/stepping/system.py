@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from mpi4py import MPI
 
 import numpy as np
 import scipy.sparse as sp
 
+from solver.bodies.body import Body
 from solver.bodies.elastic_body import ElasticBody
-from solver.bodies.factorization import Inverse
 from solver.bodies.reduced_body import ReducedBody
-from solver.bodies.rigid_body import DenseBody, Oscillator
+from solver.bodies.rigid_body import DenseBody
 from solver.contact.body_points import NitschePoints, NodePoints, SurfacePoints
 from solver.contact.interface import Interface
 from solver.contact.kinematics import Parts
@@ -21,10 +22,6 @@ from solver.scheme.generalized_alpha import TangentWeights
 from solver.stepping.compliance import Compliance, InterfaceDofs
 from solver.stepping.response import AnyResponse, BodyRole, DenseResponse, ElasticResponse
 from solver.types import Array
-
-Body = ElasticBody | ReducedBody | DenseBody
-"""A part of the scene that moves: meshed, reduced, or of a few unknowns. All offer the same
-methods."""
 
 
 class System:
@@ -53,11 +50,11 @@ class System:
         self.members = tuple(zip(self.bodies, self.slices, strict=True))
         """All bodies, and where their unknowns are."""
         self.meshed = tuple(
-            (body, own) for body, own in self.members if not isinstance(body, DenseBody)
+            (body, own) for body, own in self.members if isinstance(body, ElasticBody | ReducedBody)
         )
         """Meshed and reduced ones."""
 
-        self.grounded = tuple((body, own) for body, own in self.members if _stands_on_ground(body))
+        self.grounded = tuple((body, own) for body, own in self.members if body.clamped)
         """Bodies that supports or springs to the ground hold, and where their unknowns are."""
         self.clamped = tuple((body, own) for body, own in self.meshed if body.clamped)
         """The meshed ones of these; the same on all ranks."""
@@ -103,11 +100,6 @@ class System:
         return self.bodies[body].rotation(u[self.slices[body]])
 
 
-def _stands_on_ground(body: Body) -> bool:
-    """True if supports or springs between a body and the ground exchange forces."""
-    return isinstance(body, Oscillator) or (not isinstance(body, DenseBody) and body.clamped)
-
-
 def _is_tied(body: Body, at_rest: Array) -> bool:
     """True if a spring, a dashpot or damping acts on what moves over the ground; collective."""
     return body.spring(at_rest) is not None or body.drag(at_rest) is not None
@@ -134,7 +126,7 @@ def response_of(
     system: System,
     body: int,
     links: Sequence[Link],
-    factor: Inverse | Array,
+    factor: Any,
     weights: TangentWeights | None = None,
 ) -> AnyResponse:
     """The response of a body, by its number.
@@ -145,9 +137,8 @@ def response_of(
     member, sides = system.bodies[body], sides_of(body, links)
     tractions = weights is not None
     if isinstance(member, DenseBody):
-        assert isinstance(factor, np.ndarray)
         return DenseResponse(member, factor, sides)
-    assert not isinstance(factor, np.ndarray)
+    assert isinstance(member, ElasticBody | ReducedBody)
     ports = [
         system.ports(side.points, links[side.interface].interface, tractions=tractions)
         for side in sides
