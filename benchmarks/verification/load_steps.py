@@ -23,13 +23,15 @@ from solver.bodies.elastic_body import ElasticBody
 from solver.contact.body_points import NitschePoints
 from solver.contact.memory import Memory
 from solver.contact.pairs import Link
-from solver.law.friction import points_at_bound
 from solver.parallel import global_sum
 from solver.stepping.stepper import Stepper
 from solver.types import Array, Mask
 
 #: Nodal areas below this part of the largest one are round-off of nodes off the face.
 AREA_ROUND_OFF = 1e-9
+
+#: Friction within this part of its limit is at it.
+BOUND_ROUND_OFF = 1e-9
 
 #: Relative difference between a load and the contact force that answers it, in `pressed`.
 LOAD_TOLERANCE = 1e-6
@@ -92,13 +94,14 @@ def contact_tractions(link: Link, memory: Memory) -> Tractions:
     if not isinstance(points, NitschePoints):
         raise TypeError(f"contact_tractions: got {type(points).__name__}, allowed NitschePoints")
     order = np.lexsort(points.reference.T[::-1])
-    bounds = interface.bounds(memory.past)
+    normal, tangential = memory.force[:, 0], np.linalg.norm(memory.force[:, 1:], axis=1)
+    limit = interface.bounds(memory.past).mu * normal
     return Tractions(
         place=points.reference[order],
         position=memory.surface.position[order],
         weight=interface.weight[order],
         force=memory.force[order],
-        slipping=points_at_bound(memory.force, bounds)[order],
+        slipping=((normal > 0) & (tangential >= limit * (1 - BOUND_ROUND_OFF)))[order],
     )
 
 

@@ -316,6 +316,7 @@ class Interface:
         kinematics: ContactKinematics,
         force: Array,
         bounds: Bounds,
+        own: Array,
         step: float,
     ) -> tuple[Memory, Dissipation]:
         """The memory after a step, and what friction, closing and opening of points dissipated.
@@ -324,7 +325,7 @@ class Interface:
         interface nor lost in friction; for theta = 1 this is sum w |dl|^2/(2 gamma_h), never
         negative. For others the circulation of `energy` comes in, of either sign. Memory `old` is
         that at t_n, in the frame of the step, all else is at t_{n+1}; the step (s) is infinite in
-        equilibrium.
+        equilibrium. `own` is what the force at a point moves it by, (points,), m/N.
         """
         anchor, past = np.empty(old.anchor.shape), np.empty(old.past.shape)
         friction, contact = meshed.after_step(
@@ -335,6 +336,7 @@ class Interface:
             old.anchor,
             old.past,
             self.softness,
+            own,
             bounds.mu,
             bounds.cohesion,
             step,

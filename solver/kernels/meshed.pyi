@@ -461,14 +461,17 @@ def add_columns(columns: Array, place: Indices, forces: Array, moved: Array, /) 
 
 # ---- What points hold by friction
 
-def points_at_bound(force: Array, mu: Array, cohesion: Array, slope: float, found: Mask) -> None:
-    """Fill in the closed points whose friction is at its bound.
+def slipping_points(
+    force: Array, slip: Array, own: Array, mu: Array, cohesion: Array, found: Mask
+) -> None:
+    """Fill in the points that slip in a step: at their bound, and moved by more than round-off.
 
     Args:
         force: Point forces, (m, d), N.
+        slip: How far the points moved along their carriers, (m, d-1), m.
+        own: What the force at a point moves it by, (m,), m/N.
         mu: The bounds, field by field: coefficients of friction, (m,).
         cohesion: What points hold besides, (m,), N.
-        slope: How cohesion grows with the force at first.
         found: Filled in, (m,).
     """
 
@@ -538,6 +541,7 @@ def after_step(
     old_anchor: Array,
     old_past: Array,
     softness: Array,
+    own: Array,
     mu: Array,
     cohesion: Array,
     step: float,
@@ -557,6 +561,7 @@ def after_step(
         old_anchor: Stick memory at t_n, (points, d-1), m.
         old_past: What points remembered of their friction, (points, PAST).
         softness: 1/(gamma_h w), (points,), m/N.
+        own: What the force at a point moves it by, (points,), m/N; tells slip from round-off.
         mu: Coefficients of friction in this step, (points,).
         cohesion: What points hold besides, (points,), N.
         step: Its length, s; infinite in equilibrium.

@@ -49,9 +49,14 @@ inline bool slips_in_step(const PointBounds& bounds, std::ptrdiff_t point, Array
     return slips(way, own, largest);
 }
 
-/// The points whose friction is at its bound, by their forces (m, d), N.
-inline void points_at_bound(Array<2> force, const PointBounds& bounds, MaskOut<1> found) {
-    for (std::ptrdiff_t i = 0; i < force.length(); i++) found[i] = at_bound(bounds, i, force[i]);
+/// The points that slip in a step, by their forces (m, d), N, slips (m, d-1), m, and own compliances, m/N.
+inline void slipping_points(Array<2> force, Array<2> slip, Array<1> own, const PointBounds& bounds,
+                            MaskOut<1> found) {
+    for (std::ptrdiff_t i = 0; i < force.length(); i++) {
+        double squares = 0;
+        for (const double part : slip[i]) squares += part * part;
+        found[i] = slips_in_step(bounds, i, force[i], std::sqrt(squares), own[i]);
+    }
 }
 
 /// Coefficients and cohesion (N) of points when a step begins, by what they remember and their areas, m2.

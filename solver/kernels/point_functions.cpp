@@ -10,8 +10,8 @@ namespace {
 
 using Past = Array<2>;
 
-void points_at_bound(Array<2> force, Array<1> mu, Array<1> cohesion, double slope, MaskOut<1> found) {
-    rockslip::points_at_bound(force, {mu, cohesion, slope}, found);
+void slipping_points(Array<2> force, Array<2> slip, Array<1> own, Array<1> mu, Array<1> cohesion, MaskOut<1> found) {
+    rockslip::slipping_points(force, slip, own, {mu, cohesion}, found);
 }
 
 void bounds_by_past(double fixed, double sliding, double decay, double cohesion, bool lost, Past past, Array<1> area,
@@ -25,10 +25,10 @@ void bounds_followed(double fixed, double sliding, double decay, double cohesion
 }
 
 std::tuple<double, double> after_step(Array<2> force, Array<2> y, Array<2> old_force, Array<2> old_y,
-                                      Array<2> old_anchor, Past old_past, Array<1> softness, Array<1> mu,
-                                      Array<1> cohesion, double step, Output<2> anchor, Output<2> past) {
-    return rockslip::after_step({force, y}, {old_force, old_y}, old_anchor, {old_past}, softness, {mu, cohesion}, step,
-                                anchor, {past});
+                                      Array<2> old_anchor, Past old_past, Array<1> softness, Array<1> own,
+                                      Array<1> mu, Array<1> cohesion, double step, Output<2> anchor, Output<2> past) {
+    return rockslip::after_step({force, y}, {old_force, old_y}, old_anchor, {old_past}, softness, own, {mu, cohesion},
+                                step, anchor, {past});
 }
 
 std::tuple<double, double> changed_forces(Array<2> before, Array<2> after, Past past_before, Past past_after,
@@ -70,7 +70,7 @@ std::tuple<std::int64_t, std::int64_t, double> settle(Array<2> y, Indices<1> nea
 
 std::vector<PyMethodDef> point_functions() {
     return {
-        entry<points_at_bound>("points_at_bound"),
+        entry<slipping_points>("slipping_points"),
         entry<bounds_by_past>("bounds_by_past"),
         entry<bounds_followed>("bounds_followed"),
         entry<after_step>("after_step"),

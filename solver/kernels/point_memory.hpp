@@ -17,10 +17,11 @@ struct PointsAtEnd {
 /// and contact took, J.
 ///
 /// Friction is minus the work of the tangential forces on the anchors. Contact takes the work of the forces
-/// against y that is neither stored in their softness, (points,), m/N, nor lost in friction.
+/// against y that is neither stored in their softness, (points,), m/N, nor lost in friction. Whether a point
+/// slips is told by its `own` compliance, (points,), m/N.
 inline std::tuple<double, double> after_step(const PointsAtEnd& at, const PointsAtEnd& before, Array<2> old_anchor,
                                              const PointPasts<const double>& old_past, Array<1> softness,
-                                             const PointBounds& bounds, double step, Output<2> anchor,
+                                             Array<1> own, const PointBounds& bounds, double step, Output<2> anchor,
                                              const PointPasts<double>& past) {
     double friction = 0, contact = 0;
     for (std::ptrdiff_t p = 0; p < at.force.length(); p++) {
@@ -38,7 +39,7 @@ inline std::tuple<double, double> after_step(const PointsAtEnd& at, const Points
             squares += slip * slip;
         }
         const double way = std::sqrt(squares);
-        const bool slips = closed && slips_in_step(bounds, p, f, way, softness[p]);
+        const bool slips = closed && slips_in_step(bounds, p, f, way, own[p]);
         past.write(p, remembered(old_past[p], way / step, slips));
     }
     return {friction, contact - friction};

@@ -98,8 +98,18 @@ class Bounds(NamedTuple):
         return Bounds(self.mu[chosen], self.cohesion[chosen], self.slope)
 
 
-def points_at_bound(force: Array, bounds: Bounds) -> Mask:
-    """The closed points whose friction is at its bound, by their forces (m, d), N."""
+def slipping_points(force: Array, slip: Array, own: Array, bounds: Bounds) -> Mask:
+    """The points that slip in a step: at their bound, and moved by more than round-off.
+
+    Points of a rigid body share friction between them in many ways: one that is at its bound while
+    others hold the body moves no farther than round-off, and has not broken loose.
+
+    Args:
+        force: Point forces, (m, d), N.
+        slip: How far the points moved along their carriers, (m, d-1), m.
+        own: What the force at a point moves it by, (m,), m/N.
+        bounds: Of the m points.
+    """
     found = np.empty(len(force), np.bool_)
-    meshed.points_at_bound(force, *bounds, found)
+    meshed.slipping_points(force, slip, own, bounds.mu, bounds.cohesion, found)
     return found

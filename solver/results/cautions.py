@@ -297,10 +297,19 @@ def impact_losses(loss: Mapping[str, float]) -> dict[str, float]:
     return {name: value for name, value in loss.items() if name != "friction_J"}
 
 
-def loss_shares(loss: Mapping[str, float]) -> dict[str, float]:
-    """Part of the whole loss that each cause has; empty where nothing was lost."""
+LOSS_ROUND_OFF = 1e-12
+"""A loss of no more than this part of the scale of a run's energies is round-off."""
+
+
+def loss_shares(loss: Mapping[str, float], scale: float) -> dict[str, float]:
+    """Part of the whole loss that each cause has; empty where nothing beyond round-off was lost.
+
+    The scale is that of the run's energies, J.
+    """
     whole = sum(loss.values())
-    return {name.removesuffix("_J"): value / whole for name, value in loss.items()} if whole else {}
+    if abs(whole) <= LOSS_ROUND_OFF * scale:
+        return {}
+    return {name.removesuffix("_J"): value / whole for name, value in loss.items()}
 
 
 def unresolved_share(loss: Mapping[str, float]) -> float:

@@ -7,7 +7,6 @@ from collections import Counter
 from collections.abc import Mapping
 from typing import Any
 
-from solver.results.cautions import loss_shares
 from solver.results.endings import cut_short
 from solver.results.events import ENDS
 from solver.results.meetings import meeting_lines
@@ -42,7 +41,7 @@ def report(summary: Mapping[str, Any]) -> str:
             f"energy: largest gain {_number(energy['largest_gain_fraction'], '.1e')}, ledger error "
             f"{_number(energy['ledger_error_fraction'], '.1e')} of {_number(energy['scale_J'])} J"
         )
-        lines.append(_losses(energy["loss"]))
+        lines.append(_losses(energy["loss"], energy["loss_share"]))
     if "horizon" in summary:
         lines.append(_horizon(summary["horizon"]))
     if "wall_s" in summary["cost"]:
@@ -137,11 +136,10 @@ CAUSES = {
 """Names of the causes of losses, in the order in which they are shown."""
 
 
-def _losses(loss: Mapping[str, float]) -> str:
-    """Energy lost, by its causes."""
+def _losses(loss: Mapping[str, float], shares: Mapping[str, float]) -> str:
+    """Energy lost, by its causes, J and parts of the whole."""
     if math.isnan(sum(loss.values())):
         return "lost: not known"  # of a reference
-    shares = loss_shares(loss)
     if not shares:
         return "lost: nothing"
     parts = [

@@ -204,7 +204,7 @@ def _energy(scene: Scene, history: History) -> dict[str, Any]:
             history["energy.ledger_error_J"], scale
         ),
         "loss": loss,
-        "loss_share": loss_shares(loss),
+        "loss_share": loss_shares(loss, scale),
     }
 
 

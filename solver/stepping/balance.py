@@ -159,6 +159,7 @@ class Contact(NamedTuple):
         kinematics: Their gaps and tangential positions.
         force: Point forces f, (points, d), N.
         bounds: Bounds of friction at all points.
+        own: What the force at a point moves it by, (points,), m/N.
         clear: As in its memory: distance that it may move unobserved, m.
     """
 
@@ -166,6 +167,7 @@ class Contact(NamedTuple):
     kinematics: ContactKinematics
     force: Array
     bounds: Bounds
+    own: Array
     clear: float = 0.0
 
     @property
@@ -333,7 +335,8 @@ def remembered(
         if c.was_skipped(before):
             memories.append(before._replace(clear=c.clear))
             continue
-        after = link.interface.remember(before, c.surface, c.kinematics, c.force, c.bounds, dt)
+        at_end = c.surface, c.kinematics, c.force, c.bounds, c.own
+        after = link.interface.remember(before, *at_end, dt)
         memories.append(after[0]._replace(clear=c.clear))
         lost.append(after[1])
     return memories, Dissipation(*map(sum, zip(NOTHING_LOST, *lost, strict=True)))

@@ -311,7 +311,20 @@ class StepProblem:
             return True
         y = self._positions()
         self._deactivate(y)
-        return self.contact.sinks_in(y) or self.contact.friction.break_loose(self.contact.force)
+        return self.contact.sinks_in(y) or self.contact.breaks_loose(y, self._own_compliance())
+
+    def _own_compliance(self) -> Array:
+        """What the force at a point moves it by, (points,), m/N.
+
+        Points of rigid bodies have no softness of their own, and are moved with their bodies.
+        """
+        softness, operator = self._points.softness, self._tangents.operator
+        if self.contact.friction.steady or operator is None:
+            return softness
+        own, near = softness.copy(), operator.near.number
+        moved = np.einsum("mimi->mi", operator.W).max(axis=1, initial=0.0)
+        own[near] = np.where(own[near] > 0.0, own[near], moved)
+        return own
 
     def _deactivate(self, y: Array) -> None:
         """Put points beyond an edge as far from their carrier as their body is large, in y."""
@@ -320,12 +333,13 @@ class StepProblem:
 
     def contacts(self) -> list[Contact]:
         """Every interface at the end of the step, after `continues`."""
-        found, active_set = [], self.active_set
+        found, active_set, compliance = [], self.active_set, self._own_compliance()
         for number, own in enumerate(self._points.own):
             inactive = active_set.inactive[number]
             surface, kinematics = active_set.seen(number) if inactive else self._seen[number]
             force, bounds = self.contact.force[own], self.contact.friction.bounds.of(own)
-            found.append(Contact(surface, kinematics, force, bounds, active_set.clear(number)))
+            clear = active_set.clear(number)
+            found.append(Contact(surface, kinematics, force, bounds, compliance[own], clear))
         return found
 
 

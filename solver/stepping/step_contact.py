@@ -11,7 +11,7 @@ import numpy as np
 
 from solver.contact.memory import Memory
 from solver.kernels import meshed
-from solver.law.friction import Bounds, points_at_bound
+from solver.law.friction import Bounds, slipping_points
 from solver.law.local_problem import LocalProblem, NoContactSolution, image
 from solver.law.many_points import MANY_ROWS
 from solver.stepping.active_set import ContactMargin
@@ -101,18 +101,18 @@ class FrictionBounds:
         self.bounds = solved_with
         return False
 
-    def break_loose(self, force: Array) -> bool:
-        """Let points that reached their static friction slip from now on; whether there are any.
+    def break_loose(self, force: Array, slip: Array, compliance: Array) -> bool:
+        """Let points that slip at their static friction slip from now on; whether there are any.
 
         They go from mu_s to mu_d only. By forces of all points, (points, d), N, which are then
-        those of the wrong friction.
+        those of the wrong friction, their slips, (points, d-1), m, and what the force at a point
+        moves it by, (points,), m/N.
         """
         any_loose = False
-        if self.steady:
-            return any_loose
         for k, (link, own) in enumerate(zip(self._points.links, self._points.own, strict=True)):
             if link.interface.law.jumps:
-                loose = points_at_bound(force[own], self.bounds.of(own)) & ~self._slips[k]
+                at = force[own], slip[own], compliance[own], self.bounds.of(own)
+                loose = slipping_points(*at) & ~self._slips[k]
                 self._slips[k] |= loose
                 any_loose |= bool(loose.any())
         if any_loose:
@@ -198,8 +198,20 @@ class StepContact:
     def tell_slips(self, y: Array) -> None:
         """Let friction follow the slips of the free step to augmented positions y."""
         if not self.friction.steady:
-            slip = y[:, 1:] - self._anchor
-            self.friction.tell(slip + self._points.softness[:, None] * self.force[:, 1:])
+            self.friction.tell(self._slips(y))
+
+    def breaks_loose(self, y: Array, compliance: Array) -> bool:
+        """Let points slip that do at augmented positions y; whether any did not before.
+
+        By what the force at a point moves it by, (points,), m/N.
+        """
+        if self.friction.steady:
+            return False
+        return self.friction.break_loose(self.force, self._slips(y), compliance)
+
+    def _slips(self, y: Array) -> Array:
+        """Slips of all points at augmented positions y, (points, d-1), m."""
+        return y[:, 1:] - self._anchor + self._points.softness[:, None] * self.force[:, 1:]
 
     def settle(self, y: Array, operator: Delassus) -> Array | OthersNear | None:
         """Let the forces obey the contact law after the free step to augmented positions y.

@@ -29,16 +29,16 @@ TOPICS: dict[str, list[Oracle]] = {
     "neighbours": neighbours.ORACLES,
 }
 
-Row = tuple[float, str, str, Value, Any, str]
+Row = tuple[float, str, str, Value, Any]
 
 
 def rows(topic: str, place: int, beside: bool) -> list[Row]:
-    """Of an oracle: difference over tolerance, oracle, number, value, what was found, known why."""
+    """Of an oracle: difference over tolerance, oracle, number, value, what was found."""
     oracle = TOPICS[topic][place]
     found = []
     for what, changes in (oracle.beside if beside else {"": {}}).items():
         name = f"{topic}: {oracle.name}" + (f" [{what}]" if what else "")
         for number, value, got in oracle.differences(changes):
             if value.source == "today" or not beside:
-                found.append((value.off(got), name, number, value, got, oracle.today_wrong))
+                found.append((value.off(got), name, number, value, got))
     return found

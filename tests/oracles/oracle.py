@@ -96,7 +96,6 @@ class Oracle:
         beside: What confirms the values of today, by its name: changes to another engine, step or
             tolerance. `python3 -m tests.oracles --beside` runs them.
         slow: Whether it takes more than two seconds.
-        today_wrong: Why a number is wrong today, where it is.
         needs: A file outside the repository, without which there is nothing to run.
     """
 
@@ -109,7 +108,6 @@ class Oracle:
     files: Mapping[str, str] = field(default_factory=dict)
     beside: Mapping[str, Changes] = field(default_factory=dict)
     slow: bool = False
-    today_wrong: str = ""
     needs: Path = REPOSITORY
 
     def differences(self, other: Changes | None = None) -> list[tuple[str, Value, Any]]:

@@ -16,8 +16,6 @@ def parameters() -> list[object]:
             absent = not oracle.needs.exists()
             marks = [pytest.mark.skipif(absent, reason=f"no {oracle.needs}")]
             marks += [pytest.mark.slow] if oracle.slow else []
-            if oracle.today_wrong:
-                marks.append(pytest.mark.xfail(reason=oracle.today_wrong, strict=False))
             found.append(pytest.param(oracle, id=f"{topic}: {oracle.name}", marks=marks))
     return found
 

@@ -36,8 +36,9 @@ def loss(damping: float, contact: float, friction: float = 0.0) -> dict[str, flo
 def test_friction_is_no_loss_of_impacts() -> None:
     assert unresolved_share(loss(3.0, 1.0, friction=100.0)) == pytest.approx(0.25)
     assert unresolved_share(loss(0.0, 0.0, friction=1.0)) == 0.0
-    assert loss_shares(loss(3.0, 1.0, 4.0))["friction"] == pytest.approx(0.5)
-    assert loss_shares(loss(0.0, 0.0)) == {}
+    assert loss_shares(loss(3.0, 1.0, 4.0), 10.0)["friction"] == pytest.approx(0.5)
+    assert loss_shares(loss(0.0, 0.0), 10.0) == {}
+    assert loss_shares(loss(1e-12, 0.0), 10.0) == {}
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from solver.law.friction import (
     TOUCHING_SLOPE,
     Bounds,
     FrictionLaw,
-    points_at_bound,
+    slipping_points,
 )
 from solver.law.local_problem import LocalProblem, image
 from solver.law.velocity import impulse_correction
@@ -95,7 +95,7 @@ def memory_after(
     y, anchor, past = still - own[:, None] * force, still[:, 1:].copy(), np.empty_like(before)
     y[:, 1] += way
     old = still, still, anchor.copy(), before
-    meshed.after_step(force, y, *old, own, bounds.mu, bounds.cohesion, 1e-3, anchor, past)
+    meshed.after_step(force, y, *old, own, own, bounds.mu, bounds.cohesion, 1e-3, anchor, past)
     return past
 
 
@@ -111,7 +111,8 @@ def test_a_point_remembers_that_it_slipped_while_it_is_closed_and_for_ever_that_
 def test_a_force_is_at_its_bound_up_to_round_off():
     force = np.array([[2.0, 1.2], [2.0, 1.2 * (1 - 1e-10)], [2.0, 1.19], [0.0, 0.0]])
     bounds = Bounds(np.full(4, 0.5), np.full(4, 0.2))
-    assert points_at_bound(force, bounds).tolist() == [True, True, False, False]
+    found = slipping_points(force, np.full((4, 1), 1e-4), np.zeros(4), bounds)
+    assert found.tolist() == [True, True, False, False]
 
 
 @pytest.mark.parametrize("d", [2, 3])
@@ -124,7 +125,9 @@ def test_which_points_slip(d):
     force[:, 0], force[:, 1] = (2.0, 2.0, 2.0, 0.0), (-1.2, 1.2, 1.1, 0.0)
     bounds = Bounds(np.full(4, 0.5), np.full(4, 0.2))
     way, own = np.array([1e-4, 5e-5, 1e-4, 1e-4]), np.full(4, 3.0)
-    assert points_at_bound(force, bounds).tolist() == [True, True, False, False]
+    slip = np.zeros((4, d - 1))
+    slip[:, 0] = way
+    assert slipping_points(force, slip, own, bounds).tolist() == [True, False, False, False]
     past = memory_after(force, way, own, bounds, np.zeros((4, 3)))
     assert past[:, SLIPPED].tolist() == [1.0, 0.0, 0.0, 0.0]
 
