@@ -66,7 +66,7 @@ def build(
     bodies += [member.body for member in members]
     if support.body is not None:
         bodies.append(support.body)
-    floor = FloorSurface(support.carrier(), support.number, scene.dimension)
+    floor = FloorSurface(support.carrier, support.number, scene.dimension)
     carried = [_below(scene, member, members, floor) for member in members]
     pairs = [
         FacePair(

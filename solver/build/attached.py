@@ -114,10 +114,9 @@ def _of_support(support: FoundationBody) -> End:
     if body is None or number is None:
         return End(None, np.asarray, np.asarray)
     if isinstance(body, DenseBody):
-        return _rigid(number, level(np.zeros(support.dimension)))
-    top = support.carrier()
-    assert isinstance(top, Face)
-    return _deck(number, body, top)
+        return _rigid(number, level(np.zeros(body.dimension)))
+    assert isinstance(support.carrier, Face)
+    return _deck(number, body, support.carrier)
 
 
 def _acted_on(force: ForceSpec, block: BlockBody, end: End) -> MeshedPlace | RigidPlace:

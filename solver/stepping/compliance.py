@@ -42,8 +42,11 @@ class InterfaceDofs:
     """Rows of the same shape that read the response."""
     count: int
     """Number of points."""
-    symmetric: bool
-    """True if both are the same numbers."""
+
+    @property
+    def symmetric(self) -> bool:
+        """True if both are the same."""
+        return self.force_rows is self.read_rows
 
 
 class PointRows(NamedTuple):

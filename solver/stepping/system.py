@@ -151,17 +151,17 @@ def ports_of(points: SurfacePoints, interface: Interface, *, tractions: bool) ->
     """Rows between points of a meshed body, read with their tractions or not, and its nodes."""
     if isinstance(points, NodePoints):
         rows = sp.identity(points.count * points.dimension, format="csr")
-        return InterfaceDofs(points.layer, rows, rows, points.count, symmetric=True)
+        return InterfaceDofs(points.layer, rows, rows, points.count)
     assert isinstance(points, NitschePoints)
     position = points.points.position_rows()
-    if not tractions:
-        return InterfaceDofs(points.points.layer, position, position, points.count, symmetric=True)
-    traction = points.points.traction_rows()
-    scale = sp.diags(np.repeat(interface.inverse_gamma, points.dimension))
-    read = _without_zeros(position - scale @ traction)
-    force = _without_zeros(position - interface.theta * scale @ traction)
-    symmetric = interface.theta == 1
-    return InterfaceDofs(points.points.layer, force, read, points.count, symmetric=symmetric)
+    read = force = position
+    if tractions:
+        scale = sp.diags(np.repeat(interface.inverse_gamma, points.dimension))
+        given = scale @ points.points.traction_rows()
+        read = force = _without_zeros(position - given)
+        if interface.theta != 1:
+            force = _without_zeros(position - interface.theta * given)
+    return InterfaceDofs(points.points.layer, force, read, points.count)
 
 
 def _without_zeros(matrix: sp.csr_matrix) -> sp.csr_matrix:
