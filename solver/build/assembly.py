@@ -181,12 +181,12 @@ def initial_state(scene: Scene, assembly: Assembly) -> tuple[State, str]:
 def _placed(member: BlockBody) -> tuple[Array, Array]:
     """Initial displacement and velocity of the owned unknowns of a block."""
     body, spec = member.body, member.spec
-    centre, rotation = member.stand(body.centre[None])[0], member.stand.rotation
+    centre, rotation = member.start(body.centre[None])[0], member.start.rotation
     if isinstance(body, RigidBox):
         linear, spin = np.asarray(spec.velocity), np.atleast_1d(spec.angular_velocity)
         speed = body.initial_velocity(linear, spin, rotation)
         return body.initial(centre - body.centre, rotation), speed
-    place = member.stand(body.nodes)
+    place = member.start(body.nodes)
     arm = place - centre
     velocity = np.tile(np.asarray(spec.velocity, dtype=float), (len(arm), 1))
     if body.dimension == 2:

@@ -49,17 +49,11 @@ class Link:
 class Bodies(Protocol):
     """The bodies of a system at the start of a step."""
 
-    step: float
-    """Length of the step, s."""
-
     def unknowns(self, body: int | None) -> Array | None:
         """Owned unknowns of a body; None for the ground."""
 
-    def ahead(self, body: int | None) -> Array | None:
+    def expected(self, body: int | None) -> Array | None:
         """Owned unknowns of a body expected at the end of the step; None for the ground."""
-
-    def rotation(self, body: int | None) -> Array:
-        """Rotation of a body, (d, d)."""
 
     def motion(self, body: int) -> RigidMotion:
         """Motion of a body as a whole."""
@@ -199,7 +193,7 @@ class FacePair:
             seen = bottom if self._second.has_outline else FLOOR
             before = ActiveFaces(seen, top, frozenset({bottom}))
         now, first, second = self._placed(bodies.unknowns)
-        ahead, _, _ = self._placed(bodies.ahead)
+        ahead, _, _ = self._placed(bodies.expected)
         size = self._size
         near = NEAR * size * (1.0 if before is None else 2.0)
         apart = float(np.minimum(now, ahead).max())  # bodies may pass one another in a step

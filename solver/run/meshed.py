@@ -32,7 +32,7 @@ from solver.stepping.state import Exchange, State
 from solver.types import Array
 
 
-class _Ahead(NamedTuple):
+class _NextStep(NamedTuple):
     """A step that was looked ahead to: its start, its length (s), and what it gave."""
 
     start: State
@@ -77,7 +77,7 @@ class MeshedRun:
             error = LocalError(self._stepper.system, size)
             tolerance = Tolerance(scene.time.tolerance, scene.vibration_left)
             self._judge = Judge(error, tolerance, self.state)
-        self._ahead: _Ahead | None = None
+        self._next: _NextStep | None = None
         self._row: Array | None = None
         points = sum(link.interface.count for link in self._stepper.links)
         self.description = (
@@ -104,7 +104,7 @@ class MeshedRun:
 
     def saved(self) -> dict[str, Any]:
         """State of the run, for `resume`."""
-        self._ahead = None  # solved anew, here as in a run that goes on from this
+        self._next = None  # solved anew, here as in a run that goes on from this
         return {
             "state": self.state,
             "stepper": self._stepper.saved(),
@@ -193,7 +193,7 @@ class MeshedRun:
 
     def _advance(self, start: State, dt: float, end: float) -> tuple[State, Exchange]:
         """A step from a state to a time; one that was looked ahead to is not solved twice."""
-        ahead, self._ahead = self._ahead, None
+        ahead, self._next = self._next, None
         if ahead and ahead.start is start and ahead.dt == dt:
             self._stepper.join(ahead.new.active)
             return ahead.new._replace(time=end), ahead.exchange
@@ -206,7 +206,7 @@ class MeshedRun:
         """
         try:
             new, exchange = self._stepper.advance(start, dt)
-            self._ahead = _Ahead(start, dt, new, exchange)
+            self._next = _NextStep(start, dt, new, exchange)
         except StepFailed:
             return None
         finally:

@@ -372,8 +372,8 @@ def consistent(system: System, links: Sequence[Link], state: State) -> State:
     weights = ForceWeights.of(contact=1.0, traction=1.0, sign=-1.0)
     for link, memory in zip(links, state.contacts, strict=True):
         if link.interface.theta:
-            standing = ContactIncrement(memory.seen, memory.seen, np.zeros_like(memory.force))
-            link.interface.add_forces(standing, system.parts(forces, link), weights)
+            increment = ContactIncrement(memory.seen, memory.seen, np.zeros_like(memory.force))
+            link.interface.add_forces(increment, system.parts(forces, link), weights)
     held[system.fixed] = -forces[system.fixed]
     forces[system.fixed] = 0.0
     stored = energies(system, state.u, state.v)

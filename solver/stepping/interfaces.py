@@ -36,26 +36,22 @@ class StepStart(NamedTuple):
 
 
 class BodiesInStep:
-    """The bodies of a system at the start of a step, as pairs see them.
-
-    Attributes:
-        step: Length of the step, s.
-    """
+    """The bodies of a system at the start of a step, as pairs see them."""
 
     def __init__(self, system: System, state: State, step: float):
-        """Take the state that the step starts from."""
-        self._system, self._state, self.step = system, state, step
-        self._ahead: Array | None = None
+        """Take the state that the step starts from, and its length, s."""
+        self._system, self._state, self._step = system, state, step
+        self._expected: Array | None = None
 
     def unknowns(self, body: int | None) -> Array | None:
         """Owned unknowns of a body; None for the ground."""
         return self._system.part(self._state.u, body)
 
-    def ahead(self, body: int | None) -> Array | None:
+    def expected(self, body: int | None) -> Array | None:
         """Owned unknowns of a body expected at the end of the step; None for the ground."""
-        if self._ahead is None:
-            self._ahead = self._state.u + self.step * self._state.v
-        return self._system.part(self._ahead, body)
+        if self._expected is None:
+            self._expected = self._state.u + self._step * self._state.v
+        return self._system.part(self._expected, body)
 
     def rotation(self, body: int | None) -> Array:
         """Rotation of a body, (d, d); the identity for the ground."""

@@ -179,7 +179,7 @@ class DenseResponse:
     def __init__(self, body: DenseBody, tangent: Array, sides: Sequence[BodyRole]):
         """Take the body, the diagonal of its tangent or mass, and its parts in interfaces."""
         self.body, self.tangent, self.sides = body, tangent, sides
-        self._standing = self._configuration(np.zeros(body.unknowns)) if body.clamped else None
+        self._unmoved = self._configuration(np.zeros(body.unknowns)) if body.clamped else None
 
     @property
     def nbytes(self) -> float:
@@ -188,8 +188,8 @@ class DenseResponse:
 
     def at(self, u: Array, start: Array | None) -> DenseConfiguration:
         """Rows of all surface points at a displacement; those of a step's start are not needed."""
-        if self._standing is not None:
-            return self._standing
+        if self._unmoved is not None:
+            return self._unmoved
         return self._configuration(self.body.replicate(u))
 
     def of_mass(self, u: Array) -> DenseConfiguration:

@@ -39,8 +39,8 @@ from solver.stepping.point_table import joined
 from solver.stepping.pushes import pushes
 from solver.stepping.reactions import (
     HeldForces,
+    forces_at_rest,
     ground_forces,
-    standing_forces,
     with_impulses,
 )
 from solver.stepping.state import Exchange, GroundForces, Push, RotationPrediction, State
@@ -157,7 +157,7 @@ class Stepper:
 
     def ground_forces(self, state: State) -> GroundForces:
         """Forces of the ground on bodies that it holds at the start of a run."""
-        return standing_forces(self.system, state, self.gravity)
+        return forces_at_rest(self.system, state, self.gravity)
 
     def start(self, u: Array, v: Array, time: float = 0.0) -> State:
         """A state whose inertia balances stresses, without loads and contact forces (r_0 = 0)."""
