@@ -47,17 +47,13 @@ class Body(ABC):
     unknowns: int
     mass: float
     directional_mass: Array
+    rigidity: float
     fixed: NDArray[np.int32]
     clamped: bool
     damping: DampingSpec
     has_spring: bool
     delay: float
     _factorizations: dict[TangentWeights, Any]
-
-    @property
-    @abstractmethod
-    def rigidity(self) -> float:
-        """Order of magnitude of its stiffness against forces on its surface, N/m."""
 
     @abstractmethod
     def inertia(self, vector: Array) -> Array:

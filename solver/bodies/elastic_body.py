@@ -110,6 +110,8 @@ class ElasticBody(Body):
         self._properties = own = MassProperties(self.comm, self.nodes, self.inertia)
         self.mass, self.centre, self.arm = own.mass, own.centre, own.arm
         self.directional_mass = own.directional
+        length = 1.0 if self.dimension == 2 else float(np.cbrt(own.mass / self.material.density))
+        self.rigidity = self.material.longitudinal * length
 
     def _discretise(self, domain: mesh.Mesh, degree: int) -> None:
         """The space of displacements: its size, nodes, functions, and vectors that are kept."""
@@ -201,12 +203,6 @@ class ElasticBody(Body):
         turned = np.empty(len(force))
         meshed.turn_all(force, vector, turned)
         return turned
-
-    @property
-    def rigidity(self) -> float:
-        """Order of magnitude of the body's stiffness against forces on its surface, N/m."""
-        length = 1.0 if self.dimension == 2 else float(np.cbrt(self.mass / self.material.density))
-        return self.material.longitudinal * length
 
     def rotation(self, u: Array) -> Array:
         """The rotation R that fits the displacement u best, (d, d)."""

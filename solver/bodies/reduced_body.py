@@ -107,7 +107,7 @@ class ReducedBody(Body):
     def __init__(self, comm: MPI.Intracomm, facts: ReducedFacts, parts: ReducedParts | None):
         """Take what all ranks have, and on rank 0 the parts."""
         self.comm, self.name, self.mass = comm, facts.name, facts.mass
-        self._rigidity = facts.rigidity
+        self.rigidity = facts.rigidity
         self.damping, self.delay, self.dimension = facts.damping, facts.delay, facts.dimension
         self.unknowns, self.has_spring = facts.unknowns, facts.springs
         self.parts = parts
@@ -142,11 +142,6 @@ class ReducedBody(Body):
         """Displacements or velocities of the whole mesh; on rank 0."""
         assert self.parts is not None
         return self.parts.shapes.expanded(y)
-
-    @property
-    def rigidity(self) -> float:
-        """That of its mesh, N/m."""
-        return self._rigidity
 
     def resultant(self, force: Array) -> Array:
         """Sum of the forces on the owned unknowns along each direction, (d,), N: on the nodes."""

@@ -33,7 +33,6 @@ from solver.contact.kinematics import (
     in_space,
 )
 from solver.contact.memory import Memory
-from solver.law.crossing import PARALLEL_ANGLE, STEEPEST_COSINE, TURNED_AWAY_COSINE
 from solver.scene import Bed, FrictionSpec
 from solver.types import Array, Indices, Mask
 
@@ -181,6 +180,18 @@ class Outline:
 FAR_INSIDE = 0.01
 """Part of the face's length: a face that lies farther within the outline of the other crosses no
 edge."""
+
+PARALLEL_ANGLE = 1e-2
+"""Edges that enclose less than this angle (rad) are parallel and do not cross. The polygon in which
+two faces touch has hardly a corner there, and a crossing would run along both edges when they turn
+or bend a little. Where such an edge enters the other face, it touches along that face's normal."""
+
+STEEPEST_COSINE = 0.5
+"""Least cosine between the normal of two edges and that of the lower face: 60 degrees, as for the
+faces themselves. Where it is steeper, a corner is nearer than the crossing."""
+
+TURNED_AWAY_COSINE = 0.5
+"""Least cosine between the normal of the lower face and the opposite one of the upper face."""
 
 SHORT_WAY = 1e-7
 """Part of a segment: a shorter increment from one segment to the next has the direction of the

@@ -418,8 +418,8 @@ def turned(
         (weights and tractions differ), J; it is added to what contact dissipates.
     """
     exchanged = 0.0
-    if isinstance(interface.carrier, Face) and carrier_rotation is not None:
-        memory, exchanged = _turn_face(interface, interface.carrier, memory, carrier_rotation)
+    if carrier_rotation is not None:
+        memory, exchanged = _with_carrier(interface, memory, carrier_rotation)
     may_touch = interface.may_touch(rotation, memory.kinematics)
     ignored = _sunk_in(interface, memory)
     if ignored is not None:
@@ -431,21 +431,22 @@ def turned(
     return after, exchanged + before - interface.energy(after)
 
 
-def _turn_face(
-    interface: Interface, face: Face, memory: Memory, rotation: Array
-) -> tuple[Memory, float]:
-    """Forces in the frame of a face that has turned; also the energy lost against tractions, J.
+def _with_carrier(interface: Interface, memory: Memory, rotation: Array) -> tuple[Memory, float]:
+    """Forces in the frame of a carrier that has turned; also the energy lost against tractions, J.
 
     Tractions do not turn. For theta = 1 the energy does not know of angles between the two.
     """
-    kinematics = interface.over(memory.surface, memory.kinematics.carrier, face.frame(rotation))
+    frame = interface.carrier.frame(rotation)
+    if frame.tobytes() == memory.kinematics.frame.tobytes():  # on what stands on the ground
+        return memory, 0.0
+    kinematics = interface.over(memory.surface, memory.kinematics.carrier, frame)
     apart, anchor = memory.force[:, 0] <= 0, memory.anchor
     if apart.any():  # closest points of open points move as the face turns
         anchor = np.where(apart[:, None], kinematics.augmented[:, 1:], anchor)
-    turned = memory._replace(kinematics=kinematics, anchor=anchor)
-    return turned, 0.0 if interface.theta == 1 else interface.energy(memory) - interface.energy(
-        turned
-    )
+    after = memory._replace(kinematics=kinematics, anchor=anchor)
+    if interface.theta == 1:
+        return after, 0.0
+    return after, interface.energy(memory) - interface.energy(after)
 
 
 def _at_other_faces(interface: Interface, memory: Memory, may_touch: Mask) -> Memory:

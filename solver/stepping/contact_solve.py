@@ -213,11 +213,14 @@ class StepProblem:
         """The free motions of all bodies; what they do to augmented positions is added to y."""
         found = []
         for k, (response, own, _) in enumerate(self._bodies):
-            at = self._configurations[k]
-            free = response.free(at, residual[own])
-            response.read(at, free, y, self._kinematics)
-            found.append(free)
+            found.append(response.free(self._configurations[k], residual[own]))
+            self._read(k, found[-1], y)
         return found
+
+    def _read(self, body: int, motion: Any, y: Array) -> None:
+        """Add what a motion of a body does to the augmented positions of all points to y."""
+        at, response = self._configurations[body], self._bodies[body][0]
+        response.read(at, motion, y, self._kinematics)
 
     def _settled_with_links(
         self, free: list[Any], y: Array
@@ -225,12 +228,7 @@ class StepProblem:
         """Let point forces and links obey their laws; the motions of bodies with links besides."""
         assert self._attached is not None and self.on_places is not None
         forces, force = self.contact.force, self.contact.force.copy()
-
-        def read(number: int, motion: Any, moved: Array) -> None:
-            at, response = self._configurations[number], self._bodies[number][0]
-            response.read(at, motion, moved, self._kinematics)
-
-        bodies = CorrectedBodies(self._configurations, free, read, y.shape, self._weight)
+        bodies = CorrectedBodies(self._configurations, free, self._read, y.shape, self._weight)
         links = LinkCorrection(self._attached, self.on_places, self._tangents.places, bodies)
         while True:
             operator, change = self._settled(links.positions(y), links.condensed)
