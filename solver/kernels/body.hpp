@@ -1,4 +1,4 @@
-// Rigid bodies: what moves freely, what is fixed to the ground, and a platform on springs.
+// Rigid bodies: what moves freely, what is fixed to the ground, and a platform on springs; what acts on all, and on one.
 #pragma once
 
 #include "rotation.hpp"
@@ -18,9 +18,14 @@ template <int d> struct GroundMotion {
     Vec<d> mean(double length) const { return start + (0.5 * length) * rise; }
 };
 
-/// Parameters of generalized-alpha, which only the spring of a platform needs.
-struct Scheme {
-    double alpha_m = 0, alpha_f = 0.5, beta = 0.5;
+/// A force on a body at a point of it, along directions in space.
+template <int d> struct AppliedForce {
+    int body = 0;
+    Vec<d> arm{};           // of the point from the centre, in the frame of the body, m
+    Vec<d> start{}, end{};  // at both ends of a step, in between linear, N
+
+    /// Its value when a share of the step has passed.
+    Vec<d> at(double share) const { return start + share * (end - start); }
 };
 
 template <int d> struct Body {
@@ -38,12 +43,46 @@ template <int d> struct Body {
 
     Vec<d> x{}, v{};              // centre (m) and its velocity (m/s), relative to the ground
     Rotation<d> rotation;
-    Vec<Dim<d>::rotations> spin{};  // angular velocity about the body's own axes, rad/s
-    Vec<Dim<d>::rotations> turned{};  // rotation vector, carried on over whole turns, rad
+    Turn<d> spin{};               // angular velocity about the body's own axes, rad/s
+    Turn<d> turned{};             // rotation vector, carried on over whole turns, rad
 
     bool moves() const { return mobility != Mobility::FIXED; }
     bool is_platform() const { return mobility == Mobility::PLATFORM; }
+    bool is_free() const { return mobility == Mobility::FREE; }
     Placement<d> placement() const { return {x, rotation.matrix()}; }
+
+    /// Velocities of the centre and, about the axes of space, of the rotation, at a rotation R.
+    Motion<d> velocities(const Mat<d, d>& R) const {
+        const Turn<d> turning = to_space(R, spin);
+        Motion<d> w;
+        for (int i = 0; i < d; i++) w[i] = v[i];
+        for (int i = 0; i < rotations; i++) w[d + i] = turning[i];
+        return w;
+    }
+
+    /// Writes M and its inverse about the axes of space, at a rotation R.
+    void write_mass(const Mat<d, d>& R, MotionMatrix<d>& M, MotionMatrix<d>& inverse) const {
+        M = {};
+        inverse = {};
+        for (int i = 0; i < unknowns; i++) M[i][i] = inverse[i][i] = 1;  // unknowns that a platform lacks
+        for (int i = 0; i < (is_platform() ? d - 1 : d); i++) {
+            M[i][i] = mass;
+            inverse[i][i] = 1 / mass;
+        }
+        if (is_platform()) return;
+        for (int i = 0; i < rotations; i++)
+            for (int j = 0; j < rotations; j++) {
+                double direct = 0, reciprocal = 0;
+                for (int k = 0; k < rotations; k++)
+                    for (int l = 0; l < rotations; l++) {
+                        const double turn = d == 2 ? 1 : R[i][k] * R[j][l];
+                        direct += turn * inertia[k][l];
+                        reciprocal += turn * inverse_inertia[k][l];
+                    }
+                M[d + i][d + j] = direct;
+                inverse[d + i][d + j] = reciprocal;
+            }
+    }
 
     /// Where an increment (dx, psi) of the unknowns takes the body.
     Placement<d> moved(const Vec<unknowns>& increment) const {

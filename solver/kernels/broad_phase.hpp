@@ -26,7 +26,7 @@ template <int d> class BroadPhase {
             for (std::size_t q = p + 1; q < order_.size(); q++) {
                 const int j = order_[q];
                 if (placed[j].low[0] - margin[j] > end) break;
-                if (!meets_others(bodies[i]) && !meets_others(bodies[j])) continue;
+                if (!bodies[i].is_free() && !bodies[j].is_free()) continue;  // the ground and a platform only carry
                 const double margins = margin[i] + margin[j];
                 bool apart = false;
                 for (int k = 1; k < d; k++)
@@ -39,9 +39,6 @@ template <int d> class BroadPhase {
     }
 
   private:
-    /// False for the ground, and a platform, which only carry.
-    static bool meets_others(const Body<d>& body) { return body.mobility == Mobility::FREE; }
-
     std::vector<int> order_;
     std::vector<std::pair<int, int>> pairs_;
 };

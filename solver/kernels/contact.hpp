@@ -1,4 +1,4 @@
-// Contacts: their rows, and what they remember from step to step.
+// Contacts and their rows.
 //
 // Rows G with G du = change of (gap, place along the face) in a step, exactly, and balanced forces.
 // With Cayley vectors psi and means over both ends (index m), products change by
@@ -19,48 +19,51 @@
 
 namespace rockslip {
 
-/// What a contact leaves for the next step.
-template <int d> struct Remembered {
-    std::uint64_t id;
-    Vec<d> impulse;           // of the step
-    Vec<d> velocity_impulse;  // at velocity level
-    Vec<d> offset;            // tangential: from the place where it stuck
-    double gap;
-    bool closed;
-    FrictionHistory friction;
-    long step;  // number of the step that wrote it
-};
-
+/// A place where two bodies touch or may touch in a step, or a link: rows, impulses, and what friction does.
 template <int d> struct Contact {
-    static constexpr int unknowns = Dim<d>::unknowns;
-
     Feature<d> feature;
     std::uint64_t id;
     int a, b;              // numbers of the bodies among those of the island; -1: fixed
+    bool free_point;       // whether the body of the point moves freely: rows on a platform lack a direction
     const ContactLaw* law;
     const LinkStep<d>* link = nullptr;  // of a link, which stands among contacts in the local problem
     double gap;            // at the start of the step, m
-    Vec<d> start;          // gap and place along the face at the start, as remembered, m
-    bool was_closed;       // in the step before
+    Vec<d> start{};        // gap and place along the face at the start, as remembered, m
+    bool was_closed = false;  // in the step before
     double area;           // that cohesion acts on, m2
     FrictionHistory past;
     FrictionBound bound;
-    FrictionMode mode;
-    Vec<d> given;          // friction that is given, or its direction
+    FrictionMode mode = FrictionMode::LAW;
+    Vec<d> given{};        // friction that is given, or its direction
 
-    Mat<d, unknowns> rows_a, rows_b;
+    Mat<d, Dim<d>::unknowns> rows_a, rows_b;
     Vec<d> constant;       // y = constant + rows_a w_a + rows_b w_b
-    Vec<d> impulse;        // P
+    Vec<d> impulse{};      // P
     Vec<d> anchor;         // impulse that the proximal term holds
     Vec<d> y;
-    Vec<d> velocity_impulse;
-    Vec<d> total;          // all impulses of the step, velocity level and impacts included
-    State state;
-    bool slips;
-    bool closed;           // at the end of the step
+    Vec<d> velocity_impulse{};
+    Vec<d> total{};        // all impulses of the step, velocity level and impacts included
+    State state = OPEN;
+    bool slips = false;
+    bool closed = false;   // at the end of the step
     double rubbed;         // energy that friction took in the step, J
     double end_gap;        // m
-    double dt;             // length of the step, s
+
+    /// The normal, from the body of the face to that of the point, or a tangent.
+    Vec<d> axis(int number) const {
+        Vec<d> e;
+        for (int j = 0; j < d; j++) e[j] = free_point ? rows_a[number][j] : -rows_b[number][j];
+        return e;
+    }
+};
+
+/// A line along an edge of a body at a place: a point of it, and the way along the edge.
+struct EdgeLine {
+    Vec<3> from, along;
+
+    EdgeLine(const Shape<3>& shape, int edge, const Placement<3>& at)
+        : from(at.centre + mul(at.R, shape.vertices[shape.edges[edge].from])),
+          along(mul(at.R, shape.vertices[shape.edges[edge].to] - shape.vertices[shape.edges[edge].from])) {}
 };
 
 /// Distance of a feature for bodies at two places.
@@ -68,14 +71,22 @@ template <int d>
 double gap_of(const Feature<d>& feature, const Shape<d>& A, const Shape<d>& B, const Placement<d>& a, const Placement<d>& b) {
     if constexpr (d == 3)
         if (feature.kind == Kind::EDGE_EDGE) {
-            const Edge &x = A.edges[feature.point], &y = B.edges[feature.face];
-            return crossing(a.centre + mul(a.R, A.vertices[x.from]), mul(a.R, A.vertices[x.to] - A.vertices[x.from]),
-                            b.centre + mul(b.R, B.vertices[y.from]), mul(b.R, B.vertices[y.to] - B.vertices[y.from]),
-                            feature.sign)
-                .gap;
+            const EdgeLine x(A, feature.point, a), y(B, feature.face, b);
+            return crossing(x.from, x.along, y.from, y.along, feature.sign).gap;
         }
     const Face<d>& face = B.faces[feature.face];
     return dot(mul(b.R, face.normal), (a.centre - b.centre) + mul(a.R, feature.arm)) - face.offset;
+}
+
+/// Where a feature is for bodies at two places, in space.
+template <int d>
+Vec<d> place_of(const Feature<d>& feature, const Shape<d>& A, const Shape<d>& B, const Placement<d>& a, const Placement<d>& b) {
+    if constexpr (d == 3)
+        if (feature.kind == Kind::EDGE_EDGE) {
+            const EdgeLine x(A, feature.point, a), y(B, feature.face, b);
+            return x.from + crossing(x.from, x.along, y.from, y.along, feature.sign).s * x.along;
+        }
+    return a.centre + mul(a.R, feature.arm);
 }
 
 template <int d> void put_row(Contact<d>& k, int row, const Vec<d>& e, const Vec<d>& arm, const Vec<d>& back) {
@@ -98,7 +109,7 @@ template <int d> void restrict_to_platform(Mat<d, Dim<d>::unknowns>& rows) {
 
 /// Writes the rows for motions from places a0, b0 to a1, b1, and y at the start.
 template <int d>
-void write_rows(Contact<d>& k, const Shape<d>& A, const Shape<d>& B, const Placement<d>& a0, const Placement<d>& a1,
+void write_contact_rows(Contact<d>& k, const Shape<d>& A, const Shape<d>& B, const Placement<d>& a0, const Placement<d>& a1,
                 const Placement<d>& b0, const Placement<d>& b1) {
     const Mat<d, d> Ra = mean(a0.R, a1.R), Rb = mean(b0.R, b1.R);
     const Vec<d> apart = 0.5 * ((a0.centre - b0.centre) + (a1.centre - b1.centre));
@@ -149,54 +160,5 @@ void write_link_rows(Contact<d>& k, const Placement<d>& a0, const Placement<d>& 
     }
     for (int i = 0; i < d; i++) put_row(k, i, mul(Ra, link.axes[i]), arm, apart + arm);
 }
-
-/// Contacts of pairs of bodies as the last step left them.
-template <int d> class ContactMemory {
-  public:
-    struct PairMemory {
-        int a, b;
-        std::vector<Remembered<d>> contacts;
-    };
-
-    const Remembered<d>* find(int a, int b, std::uint64_t id) const {
-        const auto pair = lower(a, b);
-        if (pair == pairs_.end() || pair->a != a || pair->b != b) return nullptr;
-        for (const Remembered<d>& each : pair->contacts)
-            if (each.id == id) return &each;
-        return nullptr;
-    }
-
-    /// The record of a contact, made where there is none.
-    Remembered<d>& record(int a, int b, std::uint64_t id) {
-        auto pair = pairs_.begin() + (lower(a, b) - pairs_.cbegin());
-        if (pair == pairs_.end() || pair->a != a || pair->b != b) pair = pairs_.insert(pair, {a, b, {}});
-        for (Remembered<d>& each : pair->contacts)
-            if (each.id == id) return each;
-        pair->contacts.push_back({});
-        pair->contacts.back().id = id;
-        return pair->contacts.back();
-    }
-
-    /// Forgets what no step since a number has written.
-    void forget_before(long step) {
-        for (PairMemory& pair : pairs_) {
-            auto old = [&](const Remembered<d>& each) { return each.step < step; };
-            pair.contacts.erase(std::remove_if(pair.contacts.begin(), pair.contacts.end(), old), pair.contacts.end());
-        }
-        auto empty = [](const PairMemory& pair) { return pair.contacts.empty(); };
-        pairs_.erase(std::remove_if(pairs_.begin(), pairs_.end(), empty), pairs_.end());
-    }
-
-    std::vector<PairMemory>& pairs() { return pairs_; }
-
-  private:
-    typename std::vector<PairMemory>::const_iterator lower(int a, int b) const {
-        return std::lower_bound(pairs_.begin(), pairs_.end(), std::make_pair(a, b), [](const PairMemory& each, const std::pair<int, int>& key) {
-            return std::make_pair(each.a, each.b) < key;
-        });
-    }
-
-    std::vector<PairMemory> pairs_;
-};
 
 }  // namespace rockslip

@@ -87,6 +87,10 @@ inline bool follow_slip(const ContactLaw& law, FrictionBound& bound, double spee
     return std::fabs(bound.mu - before.mu) > 1e-13 || bound.cohesion != before.cohesion;
 }
 
+/// Friction that falls with speed follows it all the way in so many rounds, then half the way, at last not at all.
+constexpr std::array<double, 3> FRICTION_SHARES{1.0, 0.5, 0.0};
+constexpr int FRICTION_ROUNDS = 40;
+
 /// Friction's share of the kinetic energy that a correction takes, J.
 ///
 /// The tangential impulses took `tangential`, all of them `lost`, and friction had `taken` in the step before.

@@ -1,10 +1,12 @@
-// Islands: bodies joined by contacts, with their equations of motion for a step or an instant.
+// Islands: bodies joined by contacts and links, with their equations of motion for a step or an instant.
 #pragma once
 
+#include <initializer_list>
 #include <vector>
 
 #include "block_lu.hpp"
 #include "contact.hpp"
+#include "disjoint_sets.hpp"
 
 namespace rockslip {
 
@@ -27,6 +29,24 @@ template <int d> struct Island {
     void clear() {
         bodies.clear();
         contacts.clear();
+    }
+
+    /// Makes room for the motions of all bodies.
+    void make_room() {
+        mass.resize(bodies.size());
+        inverse_mass.resize(bodies.size());
+        free.resize(bodies.size());
+        w.resize(bodies.size());
+    }
+
+    /// True if it stands on fixed ground, and no body is faster than a velocity; rotations count by a length.
+    bool rests(double velocity, double size) const {
+        const auto is_fixed = [](const Contact<d>* k) { return k->a < 0 || k->b < 0; };
+        if (!std::any_of(contacts.begin(), contacts.end(), is_fixed)) return false;
+        double fastest = 0;
+        for (const Motion& each : w)
+            for (int i = 0; i < unknowns; i++) fastest = std::max(fastest, std::fabs(each[i]) * (i < d ? 1 : size));
+        return fastest < velocity;
     }
 
     /// Sets the motions to those by the impulses: w = w_free + M^-1 G^T P.
@@ -70,6 +90,60 @@ template <int d> struct Island {
             }
         }
     }
+};
+
+/// The islands of some bodies.
+template <int d> class Islands {
+  public:
+    /// Gathers bodies joined by those contacts of some lists that `count`; contacts keep their places as long.
+    template <class Counts>
+    void gather(const std::vector<Body<d>>& bodies, const std::vector<int>& members,
+                std::initializer_list<std::vector<Contact<d>>*> lists, Counts count) {
+        sets_.part(members, bodies.size());
+        number_in_.resize(bodies.size());
+        island_of_.resize(bodies.size());
+        for (int b : members) number_in_[b] = island_of_[b] = -1;
+        for (const auto* contacts : lists)
+            for (const Contact<d>& k : *contacts) {
+                const int a = k.feature.point_body, b = k.feature.face_body;
+                if (count(k) && bodies[a].moves() && bodies[b].moves()) sets_.join(a, b);
+            }
+        count_ = 0;
+        for (auto* contacts : lists)
+            for (Contact<d>& k : *contacts)
+                if (count(k)) take(bodies, k);
+        for (Island<d>& island : *this) island.make_room();
+    }
+
+    auto begin() { return all_.begin(); }
+    auto end() { return all_.begin() + count_; }
+
+    /// Whether a contact or a link holds a body in an island.
+    bool holds(int body) const { return number_in_[body] >= 0; }
+
+  private:
+    void take(const std::vector<Body<d>>& bodies, Contact<d>& k) {
+        const int a = k.feature.point_body, b = k.feature.face_body, top = sets_.top(bodies[a].moves() ? a : b);
+        if (island_of_[top] < 0) {
+            island_of_[top] = count_++;
+            if (static_cast<int>(all_.size()) < count_) all_.emplace_back();
+            all_[island_of_[top]].clear();
+        }
+        Island<d>& island = all_[island_of_[top]];
+        for (int body : {a, b})
+            if (bodies[body].moves() && number_in_[body] < 0) {
+                number_in_[body] = static_cast<int>(island.bodies.size());
+                island.bodies.push_back(body);
+            }
+        k.a = bodies[a].moves() ? number_in_[a] : -1;
+        k.b = bodies[b].moves() ? number_in_[b] : -1;
+        island.contacts.push_back(&k);
+    }
+
+    DisjointSets sets_;
+    std::vector<int> number_in_, island_of_;  // number of a body in its island; island of the top of its set
+    std::vector<Island<d>> all_;
+    int count_ = 0;
 };
 
 }  // namespace rockslip

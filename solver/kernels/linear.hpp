@@ -17,6 +17,15 @@ template <int d> struct Dim {
     static constexpr int unknowns = d + rotations;
 };
 
+/// Components of a rotation of a rigid body.
+template <int d> using Turn = Vec<Dim<d>::rotations>;
+
+/// A velocity or an increment of a rigid body: of its centre, then of its rotation.
+template <int d> using Motion = Vec<Dim<d>::unknowns>;
+
+/// A matrix over such motions.
+template <int d> using MotionMatrix = Mat<Dim<d>::unknowns, Dim<d>::unknowns>;
+
 template <std::size_t n> using Numbers = std::array<double, n>;
 
 template <std::size_t n> void operator+=(Numbers<n>& a, const Numbers<n>& b) {

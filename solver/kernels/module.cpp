@@ -2,7 +2,7 @@
 #include <exception>
 #include <limits>
 
-#include "world.hpp"
+#include "stepper.hpp"
 
 using namespace rockslip;
 
@@ -10,14 +10,18 @@ namespace {
 
 struct Handle {
     int d;
-    World<2> plane;
-    World<3> space;
+    Stepper<2> plane;
+    Stepper<3> space;
     std::vector<double> pairs;  // of the steps of the last run
 };
 
-template <class F> auto with(void* handle, F f) {
+template <class F> auto with_stepper(void* handle, F f) {
     Handle* h = static_cast<Handle*>(handle);
     return h->d == 2 ? f(h->plane) : f(h->space);
+}
+
+template <class F> auto with(void* handle, F f) {
+    return with_stepper(handle, [&](auto& stepper) { return f(stepper.world); });
 }
 
 template <std::size_t n> Numbers<n> read(const double*& from) {
@@ -90,10 +94,11 @@ template <int d> void write_links(const World<d>& world, double* out) {
 }
 
 template <int d> void write_parts(const World<d>& world, double* out) {
-    for (const Vec<d>& impulse : world.part_received) write(out, impulse);
+    for (const Vec<d>& impulse : world.support.part_received) write(out, impulse);
 }
 
-template <int d> void write_state(World<d>& world, double* of_bodies, double* of_step) {
+template <int d> void write_state(const Stepper<d>& stepper, double* of_bodies, double* of_step) {
+    const World<d>& world = stepper.world;
     for (std::size_t b = 0; b < world.bodies.size(); b++) {
         const Body<d>& body = world.bodies[b];
         write(of_bodies, body.x);
@@ -101,24 +106,24 @@ template <int d> void write_state(World<d>& world, double* of_bodies, double* of
         write(of_bodies, body.v);
         write(of_bodies, to_space(body.rotation.matrix(), body.spin));
         write(of_bodies, body.turned);
-        write(of_bodies, world.slip[b]);
-        write(of_bodies, world.received[b]);
-        *of_bodies++ = world.penetration[b];
+        write(of_bodies, world.support.slip[b]);
+        write(of_bodies, world.support.received[b]);
+        *of_bodies++ = world.support.penetration[b];
     }
     write(of_step, world.energies());
     const Ledger& l = world.ledger;
     write(of_step, Numbers<5>{l.input, l.friction, l.damping, l.contact, l.numerical});
-    write(of_step, world.spring_impulse);
+    write(of_step, world.ground_impulse);
     *of_step++ = world.closed_contacts();
-    *of_step++ = static_cast<double>(world.local.outcomes.newton);
+    *of_step++ = static_cast<double>(stepper.local.outcomes.newton);
     *of_step++ = static_cast<double>(world.counts.halved);
 }
 
 /// Appends all pairs that have touched: number of the step, a, b, points, normal force, friction on a,
 /// gap, slip, place, normal.
 template <int d> void write_pairs(const World<d>& world, std::vector<double>& out, int step, double dt) {
-    for (const PairTold<d>& pair : world.told) {
-        const auto tangents = World<d>::tangents(pair.normal);
+    for (const TouchingPair<d>& pair : world.pairs.all) {
+        const auto tangents = pair.tangents(pair.normal);
         out.insert(out.end(), {double(step), double(pair.a), double(pair.b), double(pair.points), dot(pair.impulse, pair.normal) / dt});
         for (const Vec<d>& along : tangents) out.push_back(dot(pair.impulse, along) / dt);
         out.push_back(pair.gap);
@@ -128,8 +133,9 @@ template <int d> void write_pairs(const World<d>& world, std::vector<double>& ou
     }
 }
 
-template <int d> int run(World<d>& world, int steps, double dt, double smallest, const double* ground, const double* shift,
+template <int d> int run(Stepper<d>& stepper, int steps, double dt, double smallest, const double* ground, const double* shift,
                          const double* forces, double* of_bodies, double* of_steps, double* of_links, double* of_parts, std::vector<double>& of_pairs) {
+    World<d>& world = stepper.world;
     of_pairs.clear();
     for (int i = 0; i < steps; i++) {
         GroundMotion<d> motion;
@@ -144,12 +150,12 @@ template <int d> int run(World<d>& world, int steps, double dt, double smallest,
             world.forces[f].start = read<d>(start);
             world.forces[f].end = read<d>(end);
         }
-        if (!world.step(dt, smallest, motion)) return i;
+        if (!stepper.step(dt, smallest, motion)) return i;
         const auto row = static_cast<std::size_t>(i);
-        write_state(world, of_bodies + STATE<d> * world.bodies.size() * row, of_steps + TOTALS<d> * row);
+        write_state(stepper, of_bodies + STATE<d> * world.bodies.size() * row, of_steps + TOTALS<d> * row);
         write_links(world, of_links + LINK<d> * world.links.size() * row);
-        write_parts(world, of_parts + d * world.part_received.size() * row);
-        if (world.tells_pairs) write_pairs(world, of_pairs, i, dt);
+        write_parts(world, of_parts + d * world.support.part_received.size() * row);
+        if (world.pairs.told) write_pairs(world, of_pairs, i, dt);
     }
     return steps;
 }
@@ -204,13 +210,13 @@ void world_free(void* handle) { delete static_cast<Handle*>(handle); }
 
 int world_half_space(void* handle) {
     Handle* h = static_cast<Handle*>(handle);
-    if (h->d == 2) h->plane.shapes.push_back(half_space<2>());
-    else h->space.shapes.push_back(half_space<3>());
+    if (h->d == 2) h->plane.world.shapes.push_back(half_space<2>());
+    else h->space.world.shapes.push_back(half_space<3>());
     return with(handle, [](auto& world) { return static_cast<int>(world.shapes.size()) - 1; });
 }
 
 int world_polygon(void* handle, const double* corners, int count) {
-    World<2>& world = static_cast<Handle*>(handle)->plane;
+    World<2>& world = static_cast<Handle*>(handle)->plane.world;
     std::vector<Vec<2>> v(count);
     for (Vec<2>& each : v) each = read<2>(corners);
     world.shapes.push_back(polygon(v));
@@ -218,7 +224,7 @@ int world_polygon(void* handle, const double* corners, int count) {
 }
 
 int world_polyhedron(void* handle, const double* vertices, int count, const int* loops, const int* sizes, int faces) {
-    World<3>& world = static_cast<Handle*>(handle)->space;
+    World<3>& world = static_cast<Handle*>(handle)->space.world;
     std::vector<Vec<3>> v(count);
     for (Vec<3>& each : v) each = read<3>(vertices);
     std::vector<std::vector<int>> all;
@@ -254,8 +260,8 @@ void world_begin(void* handle, const int* law_of, const int* carriers, const int
     with(handle, [&](auto& world) {
         const std::size_t n = world.bodies.size();
         world.law_of.assign(law_of, law_of + n * n);
-        world.carriers.clear();
-        for (std::size_t b = 0; b < n; carriers += counts[b++]) world.carriers.emplace_back(carriers, carriers + counts[b]);
+        world.support.carriers.clear();
+        for (std::size_t b = 0; b < n; carriers += counts[b++]) world.support.carriers.emplace_back(carriers, carriers + counts[b]);
         world.begin();
     });
 }
@@ -264,12 +270,12 @@ void world_begin(void* handle, const int* law_of, const int* carriers, const int
 int world_run(void* handle, int steps, double dt, double smallest, const double* ground, const double* shift, const double* forces,
               double* of_bodies, double* of_steps, double* of_links, double* of_parts) {
     std::vector<double>& of_pairs = static_cast<Handle*>(handle)->pairs;
-    return with(handle, [&](auto& world) { return run(world, steps, dt, smallest, ground, shift, forces, of_bodies, of_steps, of_links, of_parts, of_pairs); });
+    return with_stepper(handle, [&](auto& stepper) { return run(stepper, steps, dt, smallest, ground, shift, forces, of_bodies, of_steps, of_links, of_parts, of_pairs); });
 }
 
 /// From here on what pairs of bodies do to one another is told.
 void world_tell_pairs(void* handle) {
-    with(handle, [](auto& world) { world.tells_pairs = true; });
+    with(handle, [](auto& world) { world.pairs.told = true; });
 }
 
 /// Writes the pairs of the steps of the last run; returns how many numbers that takes, and only that without room.
@@ -280,10 +286,10 @@ long world_pairs(void* handle, double* out) {
 }
 
 void world_state(void* handle, double* of_bodies, double* of_step, double* of_links, double* of_parts) {
-    with(handle, [&](auto& world) {
-        write_state(world, of_bodies, of_step);
-        write_links(world, of_links);
-        write_parts(world, of_parts);
+    with_stepper(handle, [&](auto& stepper) {
+        write_state(stepper, of_bodies, of_step);
+        write_links(stepper.world, of_links);
+        write_parts(stepper.world, of_parts);
     });
 }
 
@@ -356,14 +362,15 @@ long world_look(void* handle, int one, int other, const double* places, double m
 }
 
 void world_counts(void* handle, double* out) {
-    with(handle, [&](auto& world) {
-        const auto& o = world.local.outcomes;
+    with_stepper(handle, [&](auto& stepper) {
+        const auto& world = stepper.world;
+        const auto& o = stepper.local.outcomes;
         const auto& c = world.counts;
         const double all[] = {double(o.solves), double(o.warm), double(o.newton), double(o.factorizations), double(o.searched),
                               double(o.softened), double(o.interior), double(o.failed), double(o.loose), o.loosest, double(c.outer), double(c.late),
                               double(c.widened), double(c.halved), double(c.cut), double(c.contacts), double(c.most_contacts), double(c.rungs[0]),
                               double(c.rungs[1]), double(c.rungs[2]), double(c.rungs[3]), double(c.rungs[4]), double(c.unsettled),
-                              world.local.largest_defect, world.deepest.depth, world.deepest.time, double(world.deepest.a), double(world.deepest.b)};
+                              stepper.local.largest_defect, world.deepest.depth, world.deepest.time, double(world.deepest.a), double(world.deepest.b)};
         std::copy(std::begin(all), std::end(all), out);
     });
 }

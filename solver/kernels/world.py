@@ -1,4 +1,4 @@
-"""The compiled world of rigid bodies (`world.hpp`), as Python calls it.
+"""The compiled world of rigid bodies and its steps (`stepper.hpp`), as Python calls them.
 
 Lengths in m, masses in kg, times in s, angles in rad; the angle of a body in the plane counts
 anticlockwise. Places and velocities are relative to the ground.
