@@ -14,19 +14,17 @@ not depend on what else runs on the machine; seconds do.
 from __future__ import annotations
 
 import copy
-import sys
 import tomllib
-from itertools import pairwise
+from itertools import chain, pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from benchmarks.rows import parallel_map, processes_wanted, write_table
+from benchmarks.rows import DEMO, side_by_side, write_table
 from rockslip import History, Scene, parse_scene, simulate
 from solver.results.rocking import peaks
 
-SCENE = Path(__file__).parents[1] / "demos" / "free_rocking" / "scene.toml"
 TABLE = Path(__file__).with_suffix(".csv")
 
 TOLERANCE = 1e-3
@@ -69,7 +67,7 @@ class Answer(NamedTuple):
 
 def scene(case: str, damping: float) -> dict[str, Any]:
     """The scene of a case with material damping beta_R (s)."""
-    with SCENE.open("rb") as stream:
+    with DEMO.open("rb") as stream:
         made: dict[str, Any] = tomllib.load(stream)
     (block,) = made["block"]
     made["damping"] = {"stiffness": damping}
@@ -152,16 +150,12 @@ def _apart(found: list[float], limit: list[float], scale: list[float] | None = N
     return float(np.max(np.abs(np.subtract(found, limit)) / by, initial=0.0))
 
 
-def main() -> int:
+def main() -> None:
     """Run all cases."""
     cases = [*BLOCKS, "on a block", "on an oscillator", "dropped flat"]
     tasks = [("demo", VIBRATING), *((case, damping) for case in cases for damping in BETAS)]
-    processes = processes_wanted(__doc__)
-    found = parallel_map(rows_of, tasks, processes=processes, name="adaptive steps")
-    write_table(TABLE, (row for rows in found for row in rows))
-    sys.stdout.write(f"table in {TABLE}\n")
-    return 0
+    write_table(TABLE, chain.from_iterable(side_by_side(rows_of, tasks, __doc__)))
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

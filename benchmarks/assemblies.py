@@ -11,7 +11,6 @@ breaks a limit, and the worst numbers. Takes five minutes; walls in space take m
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,8 +26,6 @@ GAIN = 1e-10
 """Largest gain, and error of the ledger, over the energy that is there."""
 OVERLAP = 1e-6
 """Largest overlap at the end over the smallest edge."""
-
-Place = Callable[[int, float, float], tuple[Array, float, float]]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -12,18 +12,15 @@ from __future__ import annotations
 
 import itertools
 import math
-import sys
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.rows import parallel_map, processes_wanted, write_table
+from benchmarks.rows import DEMO, Row, side_by_side, write_table
 from rockslip import Result, Scene, load_scene, simulate
 from solver.reference.housner import housner
 
-SCENE = Path(__file__).parents[1] / "demos" / "free_rocking" / "scene.toml"
 TABLE = Path(__file__).with_suffix(".csv")
 
 SWINGS = 5
@@ -56,14 +53,14 @@ def impact_times(result: Result) -> list[float]:
     return [impact["time_s"] for impact in impacts]
 
 
-def run(case: tuple[float, int]) -> dict[str, Any]:
+def run(case: tuple[float, int]) -> Row:
     """One row."""
     step, damped = case
     chosen = ["damping.stiffness=0", f"time.step={step}", f"time.damped_steps={damped}"]
     chosen.append("time.end=1.6")
-    scene = load_scene(SCENE, chosen)
+    scene = load_scene(DEMO, chosen)
     shape, result = scene.blocks[0].shape, simulate(scene)
-    row: dict[str, Any] = {"step": step, "damped_steps": damped}
+    row: Row = {"step": step, "damped_steps": damped}
     for number, noise in enumerate(scatter(scene, result), start=1):
         row[f"swing_{number}"] = f"{noise:.3f}"
     exact = housner(shape, gravity=scene.gravity, tilt=math.radians(3.0), end=1.6, step=1e-3)
@@ -72,14 +69,5 @@ def run(case: tuple[float, int]) -> dict[str, Any]:
     return row
 
 
-def main() -> int:
-    """Run all."""
-    processes = processes_wanted(__doc__)
-    rows = parallel_map(run, CASES, processes=processes, name="damped steps")
-    write_table(TABLE, rows)
-    sys.stdout.write(TABLE.read_text(encoding="utf-8"))
-    return 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    write_table(TABLE, side_by_side(run, CASES, __doc__))

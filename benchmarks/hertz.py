@@ -2,17 +2,19 @@
 
     ./in-env python3 benchmarks/hertz.py
 
-Writes `benchmarks/hertz.csv`. Three cases, each on meshes of several facets on the half-width:
+At a/R 0.001 by 5 to 40 facets on the half-width, as errors against run time: tables in
+`benchmarks/work_precision/`, and `docs/pictures/error_hertz.png`. Loads move the end of the contact
+through one facet, since errors depend on where in its facet it lies; they are means of squares over
+these loads.
 
-- a/R 0.01 and 0.001, loads that move the end of the contact through one facet (errors depend on
-  where in its facet it lies: mean of squares over these loads, largest value for peak and width);
-- public: the case of dolfinx_contact (two discs R 8, E 200, nu 0.3, load 10; half a disc on rigid
-  ground is one half of it), with facets of 0.104, 0.052 and 0.026 half-widths. With a/R 0.085 and
-  pressures of 4 % of E* it is beyond small strain, where this program and Hertz's formulas part by
-  2.4 % in the peak (in proportion to a/R); dolfinx_contact solves it with linear elasticity. So it
-  stands here three times: with load 10, where `against_finest` is the error against this program's
-  own pressure on the finest mesh; with load 10 in linear elasticity, of which displacements, gaps
-  and load a millionth are the same problem; and at equal facets with a load that makes a/R 0.001.
+And the case of dolfinx_contact (two discs R 8, E 200, nu 0.3, load 10; half a disc on rigid ground
+is one half of it), with facets of 0.104, 0.052 and 0.026 half-widths, in `benchmarks/hertz.csv`.
+With a/R 0.085 and pressures of 4 % of E* it is beyond small strain, where this program and Hertz's
+formulas part by 2.4 % in the peak (in proportion to a/R); dolfinx_contact solves it with linear
+elasticity. So it stands here three times: with load 10, where `against_finest` is the error against
+this program's own pressure on the finest mesh; with load 10 in linear elasticity, of which
+displacements, gaps and load a millionth are the same problem; and at equal facets with a load that
+makes a/R 0.001.
 
 Errors of the pressure are L2 norms over the line of contact over that of Hertz's pressure, between
 points linear. `l2_nominal` is force on undeformed length, `l2` force on deformed length (nodes);
@@ -22,16 +24,22 @@ Its published errors are 0.065, 0.036, 0.018, taken to be relative likewise.
 
 from __future__ import annotations
 
-import csv
-import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
+from time import perf_counter
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.error_runtime.findings import Findings, read_beside
+from benchmarks.error_runtime.ladders import LadderFamily, Rung, RunOutcome, climb
+from benchmarks.error_runtime.machine import machine
+from benchmarks.error_runtime.picture import picture
+from benchmarks.error_runtime.reference import Reference
+from benchmarks.error_runtime.table import as_csv, text
 from benchmarks.verification.hertz import HertzLine, centre_approach, contact_modulus
 from benchmarks.verification.load_steps import Tractions, pressed
 from benchmarks.verification.pressed_disc import disc_on_ground
@@ -40,12 +48,30 @@ from solver.contact.carriers import Plane
 from solver.contact.kinematics import ContactKinematics
 from solver.scene.material import Material
 from solver.stepping.stepper import Stepper
+from solver.study import tables
 
 Array = NDArray[np.float64]
 
-TABLE = Path(__file__).with_suffix(".csv")
+HERE = Path(__file__).resolve().parent
 POISSON = 0.3
+
+RATIO = 0.001
+"""Half-width of the contact over the radius: small enough for Hertz's formulas."""
+FACETS = (5, 10, 20, 40)
 PHASES = 8
+"""Loads that move the end of the contact through one facet."""
+
+JUDGED = {
+    "contact.pressure": "contact pressure, linear between points, L2",
+    "contact.facet_pressure": "contact pressure, one value a facet, L2",
+    "contact.peak": "peak pressure",
+}
+ERRORS = {
+    "nodes": {"contact.pressure": "l2", "contact.facet_pressure": "l2_constant",
+              "contact.peak": "peak"},
+    "gauss": {"contact.pressure": "l2_nominal", "contact.peak": "peak_nominal"},
+}  # fmt: skip
+"""Which of the errors of a contact is that of a measure, by the points."""
 
 
 class NearGround(Plane):
@@ -160,21 +186,60 @@ def errors(found: Tractions, hertz: HertzLine) -> dict[str, float]:
     }
 
 
-def small(ratio: float, facets: int, points: str) -> dict[str, Any]:
-    """One mesh at a/R = ratio."""
-    disc = Disc(radius=1.0, young=1.0, half=ratio, facet=ratio / facets, points=points)
-    halves = ratio * (1 + np.arange(PHASES) / (PHASES * facets))
+def press(facets: int, points: str) -> RunOutcome:
+    """Errors on one mesh under all loads; seconds are those of one load."""
+    disc = Disc(radius=1.0, young=1.0, half=RATIO, facet=RATIO / facets, points=points)
+    halves = RATIO * (1 + np.arange(PHASES) / (PHASES * facets))
     loads = [float(load) for load in np.pi * disc.modulus * halves**2 / 4]
-    pairs = zip(disc.pressed(loads), loads, strict=True)
-    found = [errors(one, disc.hertz(load)) for one, load in pairs]
-    row: dict[str, Any] = {"case": f"a/R {ratio}", "points": points, "facet_over_a": 1 / facets}
-    for name in found[0]:
-        values = np.array([each[name] for each in found])
-        if points == "gauss" and name in ("peak", "l2", "l2_constant"):
-            continue
-        squared = name.startswith("l2")
-        row[name] = np.sqrt(np.mean(values**2)) if squared else values[np.argmax(np.abs(values))]
-    return row
+    began = perf_counter()
+    stepper = disc.stepper()
+    ready = perf_counter()
+    contacts = list(disc.pressed(loads, stepper))
+    ended = perf_counter()
+    found = [errors(one, disc.hertz(load)) for one, load in zip(contacts, loads, strict=True)]
+    return RunOutcome(
+        measures={
+            name: np.array([each[key] for each in found]) for name, key in ERRORS[points].items()
+        },
+        loop_s=(ended - ready) / PHASES,
+        setup_s=ready - began,
+        counts={"unknowns": stepper.system.size},
+    )
+
+
+def against_run_time() -> Findings:
+    """Errors against run time, by facets on the half-width."""
+    families = [
+        LadderFamily(
+            name=f"points {points}",
+            size="facets",
+            rungs=tuple(
+                Rung(
+                    setting=f"{facets} facets",
+                    size=1 / facets,
+                    work=float(facets),
+                    solve=partial(press, facets, points),
+                )
+                for facets in FACETS
+            ),
+        )
+        for points in ERRORS
+    ]
+    trials, left_out = climb(families, repeat=3, longest=60.0)
+    exact = Reference(
+        value=np.zeros(PHASES), uncertainty=0.0, scale=float(np.sqrt(PHASES)), source="Hertz"
+    )
+    others = read_beside(HERE / "scenes" / "beside.csv")
+    return Findings(
+        title=f"Hertz's line contact, half a disc on rigid ground, a/R {RATIO:g}; time of one load",
+        machine=machine(),
+        repeat=3,
+        trials=trials,
+        left_out=left_out,
+        references=dict.fromkeys(JUDGED, exact),
+        names=JUDGED,
+        others=[other for other in others if other.measure in JUDGED],
+    )
 
 
 def public(load: float, share: float = 1.0) -> list[dict[str, Any]]:
@@ -196,25 +261,16 @@ def public(load: float, share: float = 1.0) -> list[dict[str, Any]]:
     return rows
 
 
-def main() -> int:
-    """Write the table."""
-    rows = [
-        small(ratio, facets, points)
-        for ratio in (0.01, 0.001)
-        for points in ("nodes", "gauss")
-        for facets in (5, 10, 20, 40)
-    ]
-    rows += public(10.0) + public(10.0, share=1e-6) + public(10.0 * (0.001 / 0.0851) ** 2)
-    names = list(dict.fromkeys(name for row in rows for name in row))
-    with TABLE.open("w", newline="", encoding="utf-8") as stream:
-        writer = csv.DictWriter(stream, fieldnames=names)
-        writer.writeheader()
-        for row in rows:
-            numbers = {k: v if isinstance(v, str) else f"{v:.4g}" for k, v in row.items()}
-            writer.writerow(numbers)
-    sys.stdout.write(TABLE.read_text(encoding="utf-8"))
-    return 0
+def main() -> None:
+    """Write the tables and the picture."""
+    rows = public(10.0) + public(10.0, share=1e-6) + public(10.0 * (0.001 / 0.0851) ** 2)
+    tables.write(HERE / "hertz.csv", tables.as_csv(rows, tables.column_names(rows), digits=4))
+    findings = against_run_time()
+    tables.write(HERE / "work_precision" / "hertz.csv", as_csv(findings))
+    tables.write(HERE / "work_precision" / "hertz.txt", text(findings))
+    picture(findings, HERE.parent / "docs" / "pictures" / "error_hertz.png", list(JUDGED))
+    print(text(findings))
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -11,16 +11,13 @@ from __future__ import annotations
 
 import itertools
 import math
-import sys
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from benchmarks.rows import parallel_map, processes_wanted, write_table
+from benchmarks.rows import DEMO, Row, side_by_side, write_table
 from rockslip import Result, Scene, load_scene, simulate
 
-SCENE = Path(__file__).parents[1] / "demos" / "free_rocking" / "scene.toml"
 TABLE = Path(__file__).with_suffix(".csv")
 
 SPEED = 1.4007
@@ -63,7 +60,7 @@ def bar(bed: float, ratio: float, cells: int = 100) -> float:
 def landing(*overrides: str) -> Scene:
     """The demo's block, thrown up without damping; it lands flat."""
     thrown = ["block.tilt_deg=0", f"block.velocity=[0,{SPEED}]", "damping.stiffness=0"]
-    return load_scene(SCENE, [*thrown, 'output.fields="none"', *overrides])
+    return load_scene(DEMO, [*thrown, 'output.fields="none"', *overrides])
 
 
 def rebound(result: Result, speed: float = SPEED) -> float:
@@ -75,13 +72,13 @@ def rebound(result: Result, speed: float = SPEED) -> float:
     return float(((height[-1] - height[last]) / (time[-1] - time[last]) + fall) / speed)
 
 
-def row(body: str, bed: float, ratio: float, steps: str, kept: float) -> dict[str, Any]:
+def row(body: str, bed: float, ratio: float, steps: str, kept: float) -> Row:
     """One landing."""
     number = f"{kept:.4f}"
     return {"body": body, "bed": bed, "ratio": ratio, "steps": steps, "rebound": number}
 
 
-def run(case: tuple[float, str, str]) -> dict[str, Any]:
+def run(case: tuple[float, str, str]) -> Row:
     """One row of the block; a ratio of 0 has no bed."""
     ratio, steps, cells = case
     overrides = (f"contact.damping={ratio}", f"block.cells={cells}", "time.end=0.2915")
@@ -89,16 +86,12 @@ def run(case: tuple[float, str, str]) -> dict[str, Any]:
     return row(f"block {cells}", 0.1 if ratio else math.inf, ratio, steps, rebound(result))
 
 
-def main() -> int:
+def main() -> None:
     """Run all landings and write the table."""
-    processes = processes_wanted(__doc__)
     bars = [row("bar", *case, "", bar(*case)) for case in itertools.product(BEDS, RATIOS)]
     cases = list(itertools.product(RATIOS, STEPS, CELLS))
-    blocks = parallel_map(run, cases, processes=processes, name="landings")
-    write_table(TABLE, itertools.chain(bars, blocks))
-    sys.stdout.write(TABLE.read_text(encoding="utf-8"))
-    return 0
+    write_table(TABLE, itertools.chain(bars, side_by_side(run, cases, __doc__)))
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -10,7 +10,6 @@ scenes run in one process for each number of ranks: this file, started with a fo
 
 from __future__ import annotations
 
-import os
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
@@ -20,10 +19,9 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.rows import write_table
+from benchmarks.rows import Row, on_ranks, write_table
 
 TABLE = Path(__file__).with_suffix(".csv")
-ROOT = Path(__file__).parents[1]
 STONE = {"young": 5e10, "poisson": 0.2}
 BLOCK = {"width": 1.0, "height": 0.5, "mass": 1000.0, "cells": [4, 3], **STONE}
 WEIGHT, WIDTH = 1000.0 * 9.81, 1.0
@@ -160,28 +158,20 @@ def run_on(
     ranks: int, folder: Path, end: float, names: Sequence[str] = tuple(SCENES)
 ) -> subprocess.CompletedProcess[str]:
     """`run_all` in processes of its own."""
-    launch = ["mpirun", "--oversubscribe", "-n", str(ranks)] if ranks > 1 else []
-    return subprocess.run(
-        [*launch, sys.executable, __file__, str(folder), str(end), *names],
-        env={**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"},
-        capture_output=True,
-        text=True,
-        timeout=3600,
-        check=False,
-    )
+    return on_ranks(ranks, __file__, str(folder), str(end), *names)
 
 
 UNITS = {"rad": 1.0, "m": WIDTH, "N": WEIGHT, "J": WEIGHT * WIDTH}
 """Units of columns, and the scales that their differences are divided by."""
 
 
-def differences(folder: Path) -> Iterator[dict[str, Any]]:
+def differences(folder: Path) -> Iterator[Row]:
     """A row for each scene and number of ranks."""
     for name in SCENES:
         one = np.load(folder / f"{name} 1.npz")
         for ranks in (2, 3):
             many = np.load(folder / f"{name} {ranks}.npz")
-            row: dict[str, Any] = {"scene": name, "ranks": ranks, "steps": len(one["time_s"]) - 1}
+            row: Row = {"scene": name, "ranks": ranks, "steps": len(one["time_s"]) - 1}
             for unit, scale in UNITS.items():
                 columns = [column for column in one.files if column.endswith(f"_{unit}")]
                 apart = max(np.abs(many[column] - one[column]).max() for column in columns)
@@ -198,7 +188,6 @@ def main() -> int:
                 sys.stderr.write(done.stderr)
                 return 1
         write_table(TABLE, differences(Path(name)))
-    sys.stdout.write(TABLE.read_text(encoding="utf-8"))
     return 0
 
 

@@ -1,10 +1,11 @@
-"""Shared parts of the benchmarks: cases run side by side, each a row of a table."""
+"""Shared parts of the benchmarks: cases run side by side or on ranks, each a row of a table."""
 
 from __future__ import annotations
 
 import argparse
-import csv
 import os
+import subprocess
+import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
@@ -13,44 +14,51 @@ from typing import Any, TypeVar
 
 from tqdm import tqdm
 
+from solver.study import tables
+
 Case = TypeVar("Case")
+Value = TypeVar("Value")
 Row = dict[str, Any]
 
-
-def processes_wanted(description: str | None) -> int:
-    """The command line of a benchmark that has no other option."""
-    parser = argparse.ArgumentParser(description=description)
-    parser.add_argument("--processes", type=int, default=os.cpu_count() or 1)
-    processes: int = parser.parse_args().processes
-    return processes
+ROOT = Path(__file__).resolve().parents[1]
+DEMO = ROOT / "demos" / "free_rocking" / "scene.toml"
+"""The paper's block, released from three degrees."""
 
 
-def parallel_map(
-    run: Callable[[Case], Row], cases: Sequence[Case], *, processes: int, name: str
-) -> Iterator[Row]:
-    """The rows of all cases in their order, as they come.
+def side_by_side(
+    run: Callable[[Case], Value], cases: Sequence[Case], about: str | None
+) -> Iterator[Value]:
+    """What all cases give, in their order, as they come; it reads the command line.
 
     Args:
         run: Of a module, not a lambda: other processes import it.
         cases: What to call it with.
-        processes: Number of them.
-        name: Beside the bar.
+        about: What the benchmark says of itself.
     """
+    parser = argparse.ArgumentParser(
+        description=about, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument("--processes", type=int, default=os.cpu_count() or 1)
+    processes = parser.parse_args().processes
     # MPI, which the solver starts, does not survive a fork.
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
-        yield from tqdm(pool.map(run, cases), total=len(cases), desc=name)
+        yield from tqdm(pool.map(run, cases), total=len(cases))
 
 
-def write_table(file: Path, rows: Iterable[Row]) -> list[Row]:
-    """Write rows as they come and return them; the file takes its name when it is complete."""
-    draft, written = file.with_suffix(".part"), []
-    with draft.open("w", newline="", encoding="utf-8") as stream:
-        for row in rows:
-            if not written:
-                writer = csv.DictWriter(stream, fieldnames=list(row))
-                writer.writeheader()
-            writer.writerow(row)
-            stream.flush()
-            written.append(row)
-    draft.replace(file)
-    return written
+def on_ranks(ranks: int, file: str, *words: str) -> subprocess.CompletedProcess[str]:
+    """A Python file with words as processes of its own, on so many ranks of this machine."""
+    launch = ["mpirun", "--oversubscribe", "-n", str(ranks)] if ranks > 1 else []
+    return subprocess.run(
+        [*launch, sys.executable, file, *words],
+        env={**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def write_table(file: Path, rows: Iterable[Row]) -> None:
+    """Write a table whose columns are those of all rows, once it is complete."""
+    found = list(rows)
+    tables.write(file, tables.as_csv(found, tables.column_names(found)))
+    print(f"table in {file}")

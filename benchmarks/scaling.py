@@ -6,31 +6,26 @@ Writes `benchmarks/scaling.csv`, a row for each case: a block that rocks through
 on all points of its bottom and is shaken, or is shaken until they slip, one after another. CPU
 seconds of factorizations and of W (all together), milliseconds and CPU milliseconds a step (medians
 of those after the first three, or of those in which points begin to slip; on a busy machine only
-the second mean anything, and with ranks only the first) and the largest memory. Rows that
-are there already are kept, so that it goes on where it was stopped: delete the file for new ones.
-Without `--long` up to 2e4 unknowns and 169 points, in two minutes; with it up to 3e5 unknowns and
-4096 points, which takes 14 GB and a quarter of an hour. Each case is a process of its own: this
-file, started with a case.
+the second mean anything, and with ranks only the first) and the largest memory. Without `--long` up
+to 2e4 unknowns and 169 points, in two minutes; with it up to 3e5 unknowns and 4096 points, which
+takes 14 GB and a quarter of an hour. Each case is a process of its own: this file, started with a
+case.
 """
 
 from __future__ import annotations
 
 import argparse
-import csv
 import json
-import os
 import statistics
-import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-os.environ.setdefault("OMP_NUM_THREADS", "1")
+from benchmarks.rows import Row, on_ranks, write_table
 
 TABLE = Path(__file__).with_suffix(".csv")
-ROOT = Path(__file__).parents[1]
 STEPS = {"rocks": (3, 15), "stands": (3, 15), "slips": (31, 46)}
 """The first step that counts, and the end of them, of each motion."""
 STONE = {"young": 5e9, "poisson": 0.2, "density": 2000.0}
@@ -91,7 +86,7 @@ def timed(spent: dict[str, float], name: str, of: type, method: str) -> None:
     setattr(of, method, measured)
 
 
-def run_case(cells: tuple[int, ...], motion: str) -> dict[str, Any]:
+def run_case(cells: tuple[int, ...], motion: str) -> Row:
     """Run a case on the ranks that there are; collective."""
     from rockslip import parse_scene
     from solver.bodies.factorization import Factorization
@@ -125,67 +120,36 @@ def run_case(cells: tuple[int, ...], motion: str) -> dict[str, Any]:
     }
 
 
-def rows(cases: list[tuple[tuple[int, ...], str, int]]) -> Iterator[dict[str, Any]]:
-    """A row for each case that has none yet, from a process of its own."""
-    for cells, motion, ranks in cases:
-        launch = ["mpirun", "--oversubscribe", "-n", str(ranks)] if ranks > 1 else []
-        done = subprocess.run(
-            [*launch, sys.executable, __file__, "--case", json.dumps([cells, motion])],
-            env={**os.environ, "PYTHONPATH": str(ROOT)},
-            capture_output=True,
-            text=True,
-            check=False,
-        )
+def rows(long: bool) -> Iterator[Row]:
+    """A row for each case, from a process of its own."""
+    for cells, motion, ranks, short in CASES:
+        if not (short or long):
+            continue
+        done = on_ranks(ranks, __file__, "--case", json.dumps([cells, motion]))
         if done.returncode:
             sys.exit(done.stderr)
         found = json.loads(done.stdout.splitlines()[-1])
-        yield {"cells": name_of(cells), "motion": motion, "ranks": ranks} | found
+        row = {"cells": "x".join(map(str, cells)), "motion": motion, "ranks": ranks} | found
+        print(*(f"{key} {value}" for key, value in row.items()), sep=", ", flush=True)
+        yield row
 
 
-def name_of(cells: tuple[int, ...]) -> str:
-    """Numbers of cells in one word."""
-    return "x".join(map(str, cells))
-
-
-def append(row: dict[str, Any]) -> None:
-    """Add a row to the table."""
-    begins = not TABLE.is_file()
-    with TABLE.open("a", newline="", encoding="utf-8") as stream:
-        writer = csv.DictWriter(stream, fieldnames=list(row))
-        if begins:
-            writer.writeheader()
-        writer.writerow(row)
-
-
-def main() -> int:
-    """Run all cases that have no row yet."""
+def main() -> None:
+    """Run all cases, or one of them on the ranks that there are."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--long", action="store_true", help="the large cases, too")
     parser.add_argument("--case", help=argparse.SUPPRESS)
     options = parser.parse_args()
-    if options.case:
-        cells, motion = json.loads(options.case)
-        row = run_case(tuple(cells), motion)
-        from mpi4py import MPI
+    if not options.case:
+        write_table(TABLE, rows(options.long))
+        return
+    cells, motion = json.loads(options.case)
+    row = run_case(tuple(cells), motion)
+    from mpi4py import MPI
 
-        if MPI.COMM_WORLD.rank == 0:
-            sys.stdout.write(json.dumps(row) + "\n")
-        return 0
-    there = set()
-    if TABLE.is_file():
-        with TABLE.open(encoding="utf-8") as stream:
-            there = {(r["cells"], r["motion"], int(r["ranks"])) for r in csv.DictReader(stream)}
-    wanted = [
-        (cells, motion, ranks)
-        for cells, motion, ranks, short in CASES
-        if (short or options.long) and (name_of(cells), motion, ranks) not in there
-    ]
-    for row in rows(wanted):
-        append(row)
-        sys.stdout.write(", ".join(f"{key} {value}" for key, value in row.items()) + "\n")
-        sys.stdout.flush()
-    return 0
+    if MPI.COMM_WORLD.rank == 0:
+        print(json.dumps(row))
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -3,51 +3,35 @@
     ./in-env python3 -m benchmarks.shapes [COUNT] [FIRST SEED]
 
 One to four blocks in the plane or in space, on ground or on a spring, under a pulse or a force,
-tied by links that yield or break. No step may fail, no energy may be gained, and the ledger has to
-close. Writes a line for each that breaks a limit, and the worst numbers. It takes a minute.
+tied by links that yield or break. Each has a verdict as in the stability study: no step may fail,
+no energy may be gained, and the ledger has to close. Writes a line for each that is refused or
+fails, and the worst numbers. It takes a minute.
 """
 
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from rockslip import parse_scene, simulate
-from solver.errors import SceneError
+from benchmarks.stability.matrix import StabilityCase, Tables
+from benchmarks.stability.run import judged
+from benchmarks.stability.table import as_text
 
-GAIN = 1e-9
-"""Largest gain over the scale of energies."""
-LEDGER = 1e-8
-"""Largest error of the ledger over it."""
-
-Table = dict[str, Any]
+LIMIT = 120.0
+"""Wall time of a scene, s."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Outcome:
-    """What became of a scene."""
-
-    seed: int
-    refused: str = ""
-    """Why it is no scene."""
-    status: str = "completed"
-    gain: float = 0.0
-    ledger: float = 0.0
-
-    @property
-    def holds(self) -> bool:
-        """True if it was refused, or went to its end within the limits."""
-        return self.status == "completed" and self.gain < GAIN and self.ledger < LEDGER
+def case(seed: int) -> StabilityCase:
+    """The scene of a seed, to be judged."""
+    return StabilityCase(family="shapes", row=str(seed), column="", tables=random_scene(seed))
 
 
-def random_scene(seed: int) -> Table:
+def random_scene(seed: int) -> Tables:
     """The tables of a scene."""
     random = np.random.default_rng(seed)
     d = int(random.choice([2, 3]))
-    blocks: list[Table] = []
+    blocks: list[Tables] = []
     for number in range(int(random.integers(1, 5))):
         block = _block(random, d, f"b{number}")
         on = "foundation" if not number or random.random() < 0.4 else f"b{number - 1}"
@@ -55,7 +39,7 @@ def random_scene(seed: int) -> Table:
         if on == "foundation":
             block["offset"] = 3.0 * number
         blocks.append(block)
-    scene: Table = {
+    scene: Tables = {
         "dimension": d,
         "block": blocks,
         "time": {"end": 2.0, "step": float(random.choice([1e-3, 4e-3]))},
@@ -84,10 +68,10 @@ def random_scene(seed: int) -> Table:
     return scene
 
 
-def _block(random: np.random.Generator, d: int, name: str) -> Table:
+def _block(random: np.random.Generator, d: int, name: str) -> Tables:
     """A block of any kind; heights and widths between 0.2 and 1.5 m."""
     width, height = map(float, random.uniform([0.2, 0.3], [0.8, 1.5]))
-    block: Table = {"name": name, "model": "rigid", "density": float(random.uniform(500, 8000))}
+    block: Tables = {"name": name, "model": "rigid", "density": float(random.uniform(500, 8000))}
     block["friction"] = float(random.uniform(0.1, 1.5))
     kinds = ["box", "feet", "uneven", "polygon", "regular", "union"]
     kind = str(random.choice(kinds + (["cylinder", "profile", "vase", "tube"] if d == 3 else [])))
@@ -141,7 +125,7 @@ def _rightwards(ring: np.ndarray) -> np.ndarray:
     return np.asarray(np.argsort(np.where(turned < 0, turned + 2 * np.pi, turned)))
 
 
-def _link(random: np.random.Generator, d: int, blocks: list[Table], number: int) -> Table:
+def _link(random: np.random.Generator, d: int, blocks: list[Tables], number: int) -> Tables:
     """A link of a block to the ground, or to another block."""
     names = [block["name"] for block in blocks]
     first = str(random.choice(names))
@@ -149,7 +133,7 @@ def _link(random: np.random.Generator, d: int, blocks: list[Table], number: int)
     second = str(random.choice(others)) if others and random.random() < 0.5 else "foundation"
     kind = str(random.choice(["spring", "tether", "anchor", "wax"]))
     middle = [0.0] * (d - 2)
-    link: Table = {"name": f"link{number}", "kind": kind, "between": [first, second]}
+    link: Tables = {"name": f"link{number}", "kind": kind, "between": [first, second]}
     link |= {"at": [0.05, *middle, 0.2], "stiffness": float(10 ** random.uniform(3, 7))}
     if kind in ("spring", "tether"):
         link["to"] = [float(random.uniform(0.5, 2.0)), *middle, float(random.uniform(0.3, 2.0))]
@@ -160,37 +144,13 @@ def _link(random: np.random.Generator, d: int, blocks: list[Table], number: int)
     return link
 
 
-def judge(seed: int) -> Outcome:
-    """Run a scene."""
-    try:
-        scene = parse_scene(random_scene(seed))
-    except SceneError as error:
-        return Outcome(seed=seed, refused=str(error))
-    result = simulate(scene)
-    energy = result.summary["energy"]
-    return Outcome(
-        seed=seed,
-        status=result.summary["status"],
-        gain=energy["largest_gain_fraction"],
-        ledger=energy["ledger_error_fraction"],
-    )
-
-
-def main() -> int:
-    """Run as a command."""
-    count, first = (int(word) for word in (sys.argv[1:] + ["300", "1"][len(sys.argv) - 1 :])[:2])
-    found = [judge(first + k) for k in range(count)]
-    for outcome in found:
-        if not outcome.holds:
-            print(outcome)
-    ran = [outcome for outcome in found if not outcome.refused]
-    held, worst = sum(o.holds for o in ran), max(o.gain for o in ran)
-    print(
-        f"{held} of {len(ran)} hold, {count - len(ran)} refused; largest gain {worst:.2g}, ", end=""
-    )
-    print(f"largest error of the ledger {max(outcome.ledger for outcome in ran):.2g}")
-    return 0 if held == len(ran) else 1
+def main(words: list[str]) -> int:
+    """Judge the scenes of some seeds; 0 where none fails."""
+    count, first = (int(word) for word in [*words, *("300", "1")[len(words) :]])
+    verdicts = list(judged([case(first + k) for k in range(count)], LIMIT, None))
+    print(as_text(verdicts), end="")
+    return int(any(verdict.verdict == "failed" for verdict in verdicts))
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    sys.exit(main(sys.argv[1:]))

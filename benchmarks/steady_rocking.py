@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -98,8 +97,7 @@ def main() -> None:
     parser.add_argument("--periods", type=int, default=60)
     parser.add_argument("--beta", default="3e-5", help="beta_R, s: B,...")
     options = parser.parse_args()
-    rows: Iterator[Row] = (run(options.periods, float(b)) for b in options.beta.split(","))
-    write_table(TABLE, rows)
+    write_table(TABLE, (run(options.periods, float(b)) for b in options.beta.split(",")))
 
 
 if __name__ == "__main__":

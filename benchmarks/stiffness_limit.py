@@ -14,19 +14,16 @@ keep part of it as vibration, and the block rebounds otherwise however stiff it 
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.rows import parallel_map, processes_wanted, write_table
+from benchmarks.rows import DEMO, Row, side_by_side, write_table
 from rockslip import Scene, load_scene, parse_scene, simulate
 from solver.reference.housner import housner
 from solver.run.meshed import MeshedRun
 
-SCENE = Path(__file__).parents[1] / "demos" / "free_rocking" / "scene.toml"
 TABLE = Path(__file__).with_suffix(".csv")
 
 END = 1.0
@@ -42,7 +39,7 @@ def elastic(young: float, step: float) -> Scene:
     """The block of the demo."""
     changes = ["damping.stiffness=0", f"time.step={step!r}", f"time.end={END}"]
     changes.append(f"block.young={young!r}")
-    return load_scene(SCENE, changes)
+    return load_scene(DEMO, changes)
 
 
 def rigid(step: float) -> Scene:
@@ -67,7 +64,7 @@ def in_whole_steps(scene: Scene) -> NDArray[np.float64]:
     return np.array(angles)
 
 
-def run(point: tuple[float, float]) -> dict[str, Any]:
+def run(point: tuple[float, float]) -> Row:
     """One row of the table."""
     young, step = point
     scene = elastic(young, step)
@@ -96,13 +93,5 @@ def distance(angle: NDArray[np.float64], other: NDArray[np.float64]) -> float:
     return float(np.linalg.norm(angle - other) / np.linalg.norm(other))
 
 
-def main() -> int:
-    """Run all."""
-    processes = processes_wanted(__doc__)
-    write_table(TABLE, parallel_map(run, POINTS, processes=processes, name="stiffness"))
-    sys.stdout.write(f"table in {TABLE}\n")
-    return 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    write_table(TABLE, side_by_side(run, POINTS, __doc__))

@@ -30,12 +30,6 @@ class Pose:
         stand: Array = (points - self.about) @ self.rotation.T + self.place
         return stand
 
-    @property
-    def translation(self) -> Array:
-        """Position of the origin of the own frame, (d,), m: X -> rotation X + translation."""
-        origin: Array = self.place - self.rotation @ self.about
-        return origin
-
     def after(self, first: Pose) -> Pose:
         """The pose that first does `first`, then this one."""
         return Pose(
@@ -45,42 +39,23 @@ class Pose:
         )
 
 
-def initial_position(shape: Block, offset: float, tilt: float) -> Pose:
-    """The map from the block's own frame to where it stands on the surface y = 0, (n, 2) -> (n, 2).
-
-    The own frame has its origin at the bottom centre. `offset` is that of this point along x before
-    the tilt, m; `tilt` turns about the bottom corner on that side, rad, positive clockwise; |tilt|
-    < pi/2, so that this corner stays the lowest point and touches y = 0.
-    """
-    _refuse_lying(tilt)
-    corner = np.array(shape.pivot([float(np.sign(tilt))]))
-    place = corner + np.array([offset, 0.0])
-    return _raised(shape, Pose(rotation=rotation_in_plane(tilt), about=corner, place=place))
-
-
-def rotation_in_plane(tilt: float) -> Array:
-    """Rotation matrix (2, 2) of a tilt, rad, positive clockwise: towards +x."""
-    c, s = math.cos(tilt), math.sin(tilt)
-    return np.array([[c, s], [-s, c]])
-
-
-def initial_position_in_space(
-    shape: Block, offset: tuple[float, float], tilt: float, azimuth: float = 0.0
+def initial_position(
+    shape: Block, offset: Sequence[float], tilt: float, azimuth: float = 0.0
 ) -> Pose:
-    """The map from the own frame of a block in space to where it stands on z = 0, (n, 3) -> (n, 3).
+    """The map from the own frame of a block to where it stands on level 0, (n, d) -> (n, d).
 
-    The own frame has its origin at the bottom centre; `offset` is that of this point along x and y
-    before the tilt, m. The block leans towards the azimuth (rad, from +x towards +y; 0 is a
-    rotation about +y) and stands on the edge or corner on that side, |tilt| < pi/2. Where it leans
-    straight over an edge, or not at all, the middle of this stays at its place.
+    The own frame has its origin at the bottom centre; `offset` is that of this point before the
+    tilt, along x and in space y, m. The block leans towards the azimuth (rad, from +x towards +y;
+    in the plane 0) and stands on the edge or corner on that side, |tilt| < pi/2, which stays its
+    lowest point. Where it leans straight over an edge, or not at all, the middle of this stays at
+    its place.
     """
-    _refuse_lying(tilt)
-    towards = np.array([math.cos(azimuth), math.sin(azimuth)])
-    towards = np.sign(tilt) * np.where(np.abs(towards) < 1e-12, 0.0, towards)
-    corner = np.array(shape.pivot([float(part) for part in towards]))
+    if not abs(tilt) < math.pi / 2:
+        raise ValueError(f"tilt: got {tilt} rad, allowed -pi/2 < tilt < pi/2")
+    d = len(offset) + 1
+    corner = np.array(shape.pivot([float(np.sign(tilt) * part) for part in _way(azimuth)[: d - 1]]))
     place = corner + np.array([*offset, 0.0])
-    pose = Pose(rotation=rotation_in_space(tilt, azimuth), about=corner, place=place)
-    return _raised(shape, pose)
+    return _raised(shape, Pose(rotation=rotation_of(d, tilt, azimuth), about=corner, place=place))
 
 
 def _raised(shape: Block, pose: Pose) -> Pose:
@@ -93,19 +68,25 @@ def _raised(shape: Block, pose: Pose) -> Pose:
     return Pose(rotation=pose.rotation, about=pose.about, place=pose.place + up)
 
 
-def rotation_in_space(tilt: float, azimuth: float) -> Array:
-    """Rotation matrix (3, 3) of a tilt towards an azimuth, rad, from +x towards +y."""
-    # Exactly along the axes where meant so: cos(pi/2) is 6e-17.
-    a, b = (0.0 if abs(part) < 1e-12 else part for part in (math.cos(azimuth), math.sin(azimuth)))
+def rotation_of(d: int, tilt: float, azimuth: float = 0.0) -> Array:
+    """Rotation matrix (d, d) of a tilt towards an azimuth, rad, from +x towards +y."""
+    a, b = _way(azimuth)
     c, s = math.cos(tilt), math.sin(tilt)
     # Rodrigues' formula for the axis (-b, a, 0).
-    return np.array(
+    found = np.array(
         [
             [c + b * b * (1 - c), -a * b * (1 - c), a * s],
             [-a * b * (1 - c), c + a * a * (1 - c), b * s],
             [-a * s, -b * s, c],
         ]
     )
+    return found if d == 3 else found[::2, ::2].copy()
+
+
+def _way(azimuth: float) -> tuple[float, float]:
+    """The direction of an azimuth, exactly along an axis where meant so: cos(pi/2) is 6e-17."""
+    along, across = math.cos(azimuth), math.sin(azimuth)
+    return 0.0 if abs(along) < 1e-12 else along, 0.0 if abs(across) < 1e-12 else across
 
 
 def level(place: Array) -> Pose:
@@ -128,9 +109,3 @@ def middle_of(tops: Sequence[Pose]) -> Pose:
     """The frame of several tops that are level: turned as the first, its origin in their middle."""
     place = np.mean([top.place for top in tops], axis=0)
     return Pose(rotation=tops[0].rotation, about=tops[0].about, place=place)
-
-
-def _refuse_lying(tilt: float) -> None:
-    """The corner a block stands on must stay its lowest point."""
-    if not abs(tilt) < math.pi / 2:
-        raise ValueError(f"tilt: got {tilt} rad, allowed -pi/2 < tilt < pi/2")

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from geometry.density import Tensor, Vector, linear_tensor
+from geometry.density import Tensor, Vector, linear_tensor, tensor_of
 
 if TYPE_CHECKING:
     from geometry.solid import Solid
@@ -201,21 +201,6 @@ class Block:
         ring = (-b, -t), (b, -t), (b, t), (-b, t)
         return tuple((x, y, z) for z in (0.0, self.height) for x, y in ring)
 
-    def loops(self) -> list[tuple[int, ...]] | None:
-        """Numbers of the corners around the faces of a solid, in the plane around its parts.
-
-        None for a box.
-        """
-        if self.solid is None:
-            return None
-        found, first = list[tuple[int, ...]](), 0
-        for part in self.solid.parts:
-            count = len(part.corners)
-            faces = part.faces if part.dimension == 3 else (tuple(range(count)),)
-            found += [tuple(first + k for k in face) for face in faces]
-            first += count
-        return found
-
     def bottom_corners(self, dimension: int = 2) -> tuple[tuple[float, ...], ...]:
         """The two, in space four, corners of the bottom farthest out, as `corners` orders them, m.
 
@@ -325,10 +310,7 @@ def turned(tensor: Tensor, x: float, y: float) -> Tensor:
     """A tensor in axes of which the first is (x, y, 0), a unit vector, and the last the same."""
     axes: Tensor = (x, y, 0.0), (-y, x, 0.0), (0.0, 0.0, 1.0)
     images = [[_dot(row, axis) for row in tensor] for axis in axes]
-    first, second, third = (
-        (_dot(axis, images[0]), _dot(axis, images[1]), _dot(axis, images[2])) for axis in axes
-    )
-    return first, second, third
+    return tensor_of([[_dot(axis, image) for image in images] for axis in axes])
 
 
 def _extent(values: Sequence[float]) -> float:

@@ -19,7 +19,7 @@ import numpy as np
 from geometry.body_faces import BodyFaces, faces_on_mesh
 from geometry.cells import Cells, cells_of_model
 from geometry.convex import Convex
-from geometry.gmsh_model import MeshedBody, make
+from geometry.gmsh_model import MeshedBody, convex_body, make
 from geometry.gmsh_session import failures, options, silent_model
 from geometry.surface import Surface
 from geometry.tags import FINER, CellTag
@@ -115,36 +115,13 @@ def cells_of_parts(parts: Sequence[Convex], size: float) -> Cells:
     """
     d = parts[0].dimension
     with silent_model("parts"), failures("got parts that Gmsh cannot mesh ({})"):
-        bodies = [(d, _part(part)) for part in parts]
+        bodies = [(d, convex_body(gmsh.model.occ, part)[0]) for part in parts]
         if len(bodies) > 1:
             gmsh.model.occ.fragment(bodies[:1], bodies[1:])
         gmsh.model.occ.synchronize()
         gmsh.model.mesh.setSize(gmsh.model.getEntities(0), size)
         gmsh.model.mesh.generate(d)
         return cells_of_model(d)
-
-
-def _part(part: Convex) -> int:
-    """A convex part in Gmsh's current model, by OpenCASCADE; its number."""
-    occ = gmsh.model.occ
-    places = np.pad(part.corners, ((0, 0), (0, 3 - part.dimension)))
-    points = [occ.addPoint(*place) for place in places]
-    lines: dict[tuple[int, int], int] = {}
-
-    def loop(face: Sequence[int]) -> int:
-        """The loop around a face."""
-        ring = []
-        for a, b in zip(face, [*face[1:], face[0]], strict=True):
-            key = min(a, b), max(a, b)
-            if key not in lines:
-                lines[key] = occ.addLine(points[a], points[b])
-            ring.append(lines[key])
-        return int(occ.addCurveLoop(ring))
-
-    if part.dimension == 2:
-        return int(occ.addPlaneSurface([loop(range(len(points)))]))
-    sides = [occ.addPlaneSurface([loop(face)]) for face in part.faces]
-    return int(occ.addVolume([occ.addSurfaceLoop(sides)]))
 
 
 # ---------------------------------------------------------------- of a surface

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geometry.moments import Moments, changed, moments_of
-from geometry.polygon import edges_of, real_points, size_of, told, turning
+from geometry.polygon import around, real_points, size_of, told, turning
 from solver.types import Array, Indices
 
 FLAT = 1e-5
@@ -48,7 +48,7 @@ class Convex:
             raise ValueError("Convex.corners: got one place, allowed corners of a convex shape")
         if corners.shape[1] == 2:
             _check_polygon(corners, faces, size)
-            facets = edges_of(len(corners))
+            facets = np.array(faces)
         else:
             _check_polyhedron(corners, faces, size)
             facets = triangles_of(faces)
@@ -72,6 +72,16 @@ class Convex:
         return normals_of(self.corners, self.faces)
 
     @property
+    def starts(self) -> Array:
+        """A corner of each face, (faces, d), m."""
+        return np.asarray(self.corners[[face[0] for face in self.faces]])
+
+    @property
+    def levels(self) -> Array:
+        """Distances of the planes of the faces from the origin along their normals, (faces,), m."""
+        return np.asarray(np.einsum("ni,ni->n", self.starts, self.normals))
+
+    @property
     def lowest_face(self) -> int:
         """Number of the face that looks most downwards, of equal ones the first."""
         return int(np.argmin(np.round(self.normals[:, -1], 9)))
@@ -93,9 +103,7 @@ class Convex:
 
     def beyond(self, places: Array) -> Array:
         """How far places (n, d) are beyond the faces, of all faces the most, m; below 0 inside."""
-        normals = self.normals
-        levels = np.einsum("ni,ni->n", self.corners[[face[0] for face in self.faces]], normals)
-        return np.asarray((places @ normals.T - levels).max(axis=1))
+        return np.asarray((places @ self.normals.T - self.levels).max(axis=1))
 
     def moved(self, by: ArrayLike) -> Convex:
         """This shape moved by a vector (d,), m."""
@@ -121,7 +129,31 @@ def refuse_density(density: float | None, name: str) -> None:
 
 def polygon_faces(count: int) -> Faces:
     """The faces of a polygon with so many corners: its edges."""
-    return tuple((k, (k + 1) % count) for k in range(count))
+    return tuple(around(range(count)))
+
+
+def edges_between(faces: Faces) -> list[tuple[int, int, int, int]]:
+    """The edges of a closed body in space: their ends, and the numbers of the faces beside them."""
+    owner: dict[tuple[int, int], int] = {}
+    found = []
+    for number, face in enumerate(faces):
+        for start, end in around(face):
+            if (other := owner.pop((end, start), None)) is None:
+                owner[start, end] = number
+            else:
+                found.append((start, end, number, other))
+    return found
+
+
+def loops_of(parts: Sequence[Convex]) -> Faces:
+    """The faces of parts by the numbers of all corners, part after part; in the plane the parts."""
+    found, first = list[tuple[int, ...]](), 0
+    for part in parts:
+        count = len(part.corners)
+        loops = part.faces if part.dimension == 3 else (tuple(range(count)),)
+        found += [tuple(first + k for k in loop) for loop in loops]
+        first += count
+    return tuple(found)
 
 
 def triangles_of(faces: Sequence[Sequence[int] | Indices]) -> Indices:
@@ -356,7 +388,7 @@ def _check_polyhedron(corners: Array, faces: Faces, size: float) -> None:
             raise ValueError(
                 f"Convex.faces: got {face}, allowed numbers of the {len(corners)} corners"
             )
-        for pair in zip(face, [*face[1:], face[0]], strict=True):
+        for pair in around(face):
             if pair in owner:
                 raise ValueError(
                     f"Convex.faces: got the edge {pair} in two faces in the same sense,"

@@ -8,10 +8,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, ClassVar, NamedTuple, Protocol, TypeAlias
 
 if TYPE_CHECKING:
     from geometry.convex import Convex
+    from geometry.moments import Moments
     from solver.types import Array
 
 Vector: TypeAlias = tuple[float, float, float]
@@ -29,28 +30,22 @@ class Part(NamedTuple):
     """kg/m3."""
 
     @property
-    def volume(self) -> float:
-        """m3; in the plane m2."""
-        found = 1.0
-        for low, high in zip(self.low, self.high, strict=True):
-            found *= high - low
-        return found
+    def moments(self) -> Moments:
+        """Mass, centre and second moments of one in space."""
+        import numpy as np
 
-    @property
-    def middle(self) -> tuple[float, ...]:
-        """M."""
-        return tuple((low + high) / 2 for low, high in zip(self.low, self.high, strict=True))
+        from geometry.moments import Moments
+
+        sides = np.subtract(self.high, self.low)
+        mass = self.density * float(np.prod(sides))
+        centre = np.add(self.low, self.high) / 2
+        return Moments(volume=mass, centre=centre, spread=np.diag(mass * sides**2 / 12))
 
 
-class Mass(NamedTuple):
-    """Mass properties of a body in space."""
-
-    mass: float
-    """kg."""
-    centre: Vector
-    """Of mass, m."""
-    tensor: Tensor
-    """Inertia tensor about the centre, kg m2."""
+def tensor_of(rows: Array | Sequence[Sequence[float]]) -> Tensor:
+    """Rows of numbers as a tensor."""
+    first, second, third = ((float(row[0]), float(row[1]), float(row[2])) for row in rows)
+    return first, second, third
 
 
 def linear_tensor(mass: float, about_middle: Vector, off: Vector) -> Tensor:
@@ -63,53 +58,46 @@ def linear_tensor(mass: float, about_middle: Vector, off: Vector) -> Tensor:
         about_middle: Rotary inertias of the homogeneous box about its middle, kg m2.
         off: Centre of mass from the middle, m.
     """
-    moved = _point_tensor(mass, off)
-    diagonal = [[about_middle[i] if i == k else 0.0 for k in range(3)] for i in range(3)]
-    return _tensor([[diagonal[i][k] - moved[i][k] for k in range(3)] for i in range(3)])
+    square = sum(part * part for part in off)
+    return tensor_of(
+        [
+            [
+                (about_middle[i] if i == k else 0.0)
+                - mass * ((square if i == k else 0.0) - off[i] * off[k])
+                for k in range(3)
+            ]
+            for i in range(3)
+        ]
+    )
 
 
-def mass_of_parts(sizes: Vector, rest: float, parts: Sequence[Part]) -> Mass:
-    """Mass, centre and inertia of a block of a density with parts of others, in space.
+def mass_of_parts(sizes: Vector, rest: float, parts: Sequence[Part]) -> Moments:
+    """Mass, centre and second moments of a block of a density with parts of others, in space.
 
     Args:
         sizes: B, t and H, m.
         rest: Density of the rest, kg/m3.
         parts: In space.
     """
+    from geometry.moments import together
+
     b, t, h = sizes
     whole = Part((-b / 2, -t / 2, 0.0), (b / 2, t / 2, h), rest)
-    boxes = [whole, *(part._replace(density=part.density - rest) for part in parts)]
-    masses = [box.density * box.volume for box in boxes]
-    mass = sum(masses)
-    middles = [box.middle for box in boxes]
-    x, y, z = (
-        sum(m * middle[i] for m, middle in zip(masses, middles, strict=True)) / mass
-        for i in range(3)
-    )
-    total = [[0.0] * 3 for _ in range(3)]
-    for box, own, middle in zip(boxes, masses, middles, strict=True):
-        squares = [(high - low) ** 2 / 12 for low, high in zip(box.low, box.high, strict=True)]
-        moved = _point_tensor(own, (middle[0] - x, middle[1] - y, middle[2] - z))
-        for i in range(3):
-            total[i][i] += own * (sum(squares) - squares[i])
-            for k in range(3):
-                total[i][k] += moved[i][k]
-    return Mass(mass, (x, y, z), _tensor(total))
+    others = (part._replace(density=part.density - rest) for part in parts)
+    return together(box.moments for box in (whole, *others))
 
 
-def _point_tensor(mass: float, place: Vector) -> list[list[float]]:
-    """Inertia tensor of a mass (kg) at a place (m) about the origin, kg m2."""
-    square = sum(part * part for part in place)
-    return [
-        [mass * ((square if i == k else 0.0) - place[i] * place[k]) for k in range(3)]
-        for i in range(3)
-    ]
+class Density(Protocol):
+    """How the density of a block varies in its own frame, over the mean."""
 
+    degree: ClassVar[int]
+    """0: it is the same all over a cell of a mesh; 1: it varies linearly there."""
 
-def _tensor(rows: Sequence[Sequence[float]]) -> Tensor:
-    """Rows as a tensor."""
-    first, second, third = ((row[0], row[1], row[2]) for row in rows)
-    return first, second, third
+    def in_cells(self, cells: Array) -> Array:
+        """Its values in cells by their vertices (n, k, d), m: there, (n, k), or in each, (n,)."""
+
+    def least(self, cell: Sequence[float]) -> float:
+        """The least of its means over cells that have edges (m) along the axes."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -118,6 +106,8 @@ class LinearDensity:
 
     With the centre off by e, a = 12 e/L^2 along an edge of length L.
     """
+
+    degree: ClassVar[int] = 1
 
     off: tuple[float, ...]
     """Centre of mass from the middle, m."""
@@ -129,32 +119,38 @@ class LinearDensity:
         """Sum of |e|/L, up to 1/6 of which the density is nowhere negative."""
         return sum(abs(e) / length for e, length in zip(self.off, self.sizes, strict=True))
 
-    def least(self, counts: Sequence[float]) -> float:
-        """The least mean over a cell, by the numbers of equal cells along the edges."""
+    def least(self, cell: Sequence[float]) -> float:
+        """The least of its means over cells that have edges (m) along the axes."""
         return 1 - sum(
-            6 * abs(e) / length * (1 - 1 / count)
-            for e, length, count in zip(self.off, self.sizes, counts, strict=True)
+            6 * abs(e) / length * (1 - edge / length)
+            for e, length, edge in zip(self.off, self.sizes, cell, strict=True)
         )
 
-    def at(self, points: Array) -> Array:
-        """Its values at points (n, d), (n,)."""
+    def in_cells(self, cells: Array) -> Array:
+        """Its values at the vertices of cells (n, k, d), m, (n, k)."""
         import numpy as np
 
         sizes, middle = np.array(self.sizes), np.zeros(len(self.sizes))
         middle[-1] = sizes[-1] / 2
-        return np.asarray(1 + (points - middle) @ (12 * np.array(self.off) / sizes**2))
+        return np.asarray(1 + (cells - middle) @ (12 * np.array(self.off) / sizes**2))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PartedDensity:
     """rho over its mean: that of the rest, and those of the parts."""
 
+    degree: ClassVar[int] = 0
+
     rest: float
     """Density of the rest over the mean."""
     parts: tuple[Part, ...]
     """Their densities are over the mean."""
 
-    def means(self, cells: Array, *, simplices: bool) -> Array:
+    def least(self, cell: Sequence[float]) -> float:
+        """The least of them."""
+        return min(self.rest, *(part.density for part in self.parts))
+
+    def in_cells(self, cells: Array) -> Array:
         """Its mean over each of some cells, (n,), by their vertices (n, k, d), m.
 
         Cells are simplices, or boxes along the axes.
@@ -162,6 +158,7 @@ class PartedDensity:
         import numpy as np
 
         low, high = cells.min(axis=1), cells.max(axis=1)
+        simplices = cells.shape[1] == cells.shape[2] + 1
         found = np.full(len(cells), self.rest)
         for part in self.parts:
             inside = np.minimum(high, part.high) - np.maximum(low, part.low)
@@ -179,17 +176,18 @@ class PartedDensity:
 class PiecewiseDensity:
     """rho over its mean: that of each of some convex parts that make up a body."""
 
+    degree: ClassVar[int] = 0
+
     parts: tuple[Convex, ...]
     """The parts, which have densities of their own."""
     mean: float
     """Mean of the body, kg/m^3."""
 
-    @property
-    def least(self) -> float:
+    def least(self, cell: Sequence[float]) -> float:
         """The least of them."""
         return min(part.density for part in self.parts) / self.mean
 
-    def means(self, cells: Array) -> Array:
+    def in_cells(self, cells: Array) -> Array:
         """Its value in cells of which each is in one part, (n,), by their vertices (n, k, d), m."""
         import numpy as np
 
@@ -203,6 +201,8 @@ class PiecewiseDensity:
 class FootedDensity:
     """rho over its mean of a box between its feet, which hold next to none of the mass."""
 
+    degree: ClassVar[int] = 1
+
     low: float
     """Level of the bottom of the box, m."""
     high: float
@@ -211,25 +211,22 @@ class FootedDensity:
     """Mean of the box over that of the whole."""
     feet: float
     """That of the feet over that of the whole."""
-    law: LinearDensity | PartedDensity | None
+    law: Density | None
     """How it varies in the box, over the mean there; None: it does not."""
 
-    @property
-    def least(self) -> float:
+    def least(self, cell: Sequence[float]) -> float:
         """The least of it, that of the feet."""
         return self.feet
 
-    def at_vertices(self, cells: Array) -> Array:
-        """Its value in simplices at their vertices (n, k, d), m, (n, k)."""
+    def in_cells(self, cells: Array) -> Array:
+        """Its values in simplices at their vertices (n, k, d), m, (n, k)."""
         import numpy as np
 
         lifted = cells.copy()
         lifted[:, :, -1] -= self.low
         values = np.full(cells.shape[:2], self.box)
-        if isinstance(self.law, LinearDensity):
-            values *= self.law.at(lifted)
-        elif self.law is not None:
-            values *= self.law.means(lifted, simplices=True)[:, None]
+        if self.law is not None:
+            values *= self.law.in_cells(lifted).reshape(len(cells), -1)
         middle = cells[:, :, -1].mean(axis=1)
         values[(middle < self.low) | (middle > self.high)] = self.feet
         return values

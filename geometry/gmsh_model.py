@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 from mpi4py import MPI
 
@@ -16,7 +17,9 @@ from numpy.typing import NDArray
 
 from geometry.cells import HEXAHEDRON, QUADRILATERAL, TETRAHEDRON, TRIANGLE
 from geometry.compat import model_to_mesh
+from geometry.convex import Convex
 from geometry.gmsh_session import silent_model
+from geometry.polygon import around
 from geometry.tags import CellTag, FacetTag
 from solver.types import Array, Indices, Mask
 
@@ -87,46 +90,55 @@ def box(x: Array, y: Array, z: Array, tag: CellTag, *, tetrahedra: bool) -> None
         split_into_simplices([x, y, z])
 
 
-def convex(
-    corners: Array, faces: Sequence[Sequence[int]], tags: Sequence[int], tag: CellTag, size: float
-) -> None:
+def convex(part: Convex, tags: Sequence[int], tag: CellTag, size: float) -> None:
     """Mesh a convex polygon or polyhedron by simplices in the current Gmsh model, tags included.
 
     Args:
-        corners: (n, d), m.
-        faces: Corners around each face, anticlockwise from outside; of a polygon its sides.
+        part: The polygon or polyhedron.
         tags: One for each face.
         tag: Of the cells.
         size: Length of the edges of the cells, m.
     """
-    geo, d = gmsh.model.geo, corners.shape[1]
-    places = np.pad(corners, ((0, 0), (0, 3 - d)))
-    points = [geo.addPoint(*place, size) for place in places]
+    body, sides = convex_body(gmsh.model.geo, part, size)
+    gmsh.model.geo.synchronize()
+    gmsh.model.addPhysicalGroup(part.dimension, [body], tag)
+    for number, side in zip(tags, sides, strict=True):
+        gmsh.model.addPhysicalGroup(part.dimension - 1, [side], number)
+    gmsh.model.mesh.generate(part.dimension)
+
+
+def convex_body(kernel: Any, part: Convex, size: float = 0.0) -> tuple[int, list[int]]:
+    """A convex polygon or polyhedron in a kernel of the current Gmsh model.
+
+    Args:
+        kernel: `gmsh.model.geo` or `gmsh.model.occ`.
+        part: The polygon or polyhedron.
+        size: Length of the edges of the cells at its corners, m; 0: not given there.
+
+    Returns:
+        Its number, and those of its sides.
+    """
+    places = np.pad(part.corners, ((0, 0), (0, 3 - part.dimension)))
+    points = [kernel.addPoint(*place, size) for place in places]
     lines: dict[tuple[int, int], int] = {}
 
     def line(a: int, b: int) -> int:
-        """The line from one corner to another; negative where it is there the other way round."""
+        """The line from one corner to another; negative where it is there the other way round.
+
+        Not for OpenCASCADE, which turns lines round by itself.
+        """
         if (b, a) in lines:
-            return -lines[b, a]
-        return lines.setdefault((a, b), geo.addLine(points[a], points[b]))
+            return lines[b, a] if kernel is gmsh.model.occ else -lines[b, a]
+        return lines.setdefault((a, b), kernel.addLine(points[a], points[b]))
 
-    rings = [[line(a, b) for a, b in _around(face)] for face in faces]
-    if d == 2:
-        sides = [[ring[0]] for ring in rings]
-        body = geo.addPlaneSurface([geo.addCurveLoop([side[0] for side in sides])])
-    else:
-        sides = [[geo.addPlaneSurface([geo.addCurveLoop(ring)])] for ring in rings]
-        body = geo.addVolume([geo.addSurfaceLoop([side[0] for side in sides])])
-    geo.synchronize()
-    gmsh.model.addPhysicalGroup(d, [body], tag)
-    for number, side in zip(tags, sides, strict=True):
-        gmsh.model.addPhysicalGroup(d - 1, [abs(side[0])], number)
-    gmsh.model.mesh.generate(d)
-
-
-def _around(face: Sequence[int]) -> Iterator[tuple[int, int]]:
-    """The pairs of corners that follow one another around a face; of a side its two ends."""
-    return pairwise(face if len(face) == 2 else [*face, face[0]])
+    if part.dimension == 2:
+        sides = [line(*face) for face in part.faces]
+        return kernel.addPlaneSurface([kernel.addCurveLoop(sides)]), sides
+    sides = [
+        kernel.addPlaneSurface([kernel.addCurveLoop([line(*ends) for ends in around(face)])])
+        for face in part.faces
+    ]
+    return kernel.addVolume([kernel.addSurfaceLoop(sides)]), sides
 
 
 def _gridded_surface(
@@ -146,7 +158,7 @@ def _gridded_surface(
     # Every side gives its first corner; the last point of a side is the first of the next one.
     points = [[geo.addPoint(a, b, level) for a, b in side[:-1]] for side in sides]
     loop = [point for side in points for point in side]
-    lines = [geo.addLine(a, b) for a, b in zip(loop, loop[1:] + loop[:1], strict=True)]
+    lines = [geo.addLine(a, b) for a, b in around(loop)]
     surface = geo.addPlaneSurface([geo.addCurveLoop(lines)])
     for line in lines:
         geo.mesh.setTransfiniteCurve(line, 2)

@@ -65,7 +65,7 @@ def shape_mesh(part: Convex, size: float, comm: MPI.Intracomm = MPI.COMM_WORLD) 
     tags = tags_of_faces([float(rise) for rise in part.normals[:, -1]])
 
     def build() -> None:
-        convex(part.corners, part.faces, tags, CellTag.BLOCK, size)
+        convex(part, tags, CellTag.BLOCK, size)
 
     return make("shape", build, part.dimension, comm)
 

@@ -97,8 +97,8 @@ def together(all_of_them: Iterable[Moments]) -> Moments:
     """Moments of regions or masses that do not overlap, by Steiner's theorem."""
     parts = list(all_of_them)
     volume = math.fsum(part.volume for part in parts)
-    weights = np.array([part.volume for part in parts]) / volume
-    centre: Array = weights @ np.array([part.centre for part in parts])
+    # No product of matrices, which may fuse: what lies evenly has its centre exactly in the middle.
+    centre: Array = np.sum([part.volume / volume * part.centre for part in parts], axis=0)
     spread: Array = np.zeros_like(parts[0].spread)
     for part in parts:
         arm = part.centre - centre

@@ -6,9 +6,10 @@ word, and meshio 5.3 does not return from some.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,8 +21,11 @@ KINDS |= {"int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "
 KINDS |= {"uint32": "u4", "float": "f4", "float32": "f4", "double": "f8", "float64": "f8"}
 """Types of numpy by the names of PLY."""
 
-ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
-"""Order of bytes by the format; none of text."""
+TEXT = "="
+"""The order of bytes of what text is made: that of this computer."""
+
+ORDERS = {"ascii": TEXT, "binary_little_endian": "<", "binary_big_endian": ">"}
+"""Order of bytes by the format."""
 
 INDICES = ("vertex_indices", "vertex_index")
 """Names of the list of a face's points."""
@@ -51,58 +55,49 @@ class Element:
 
 
 class Reader:
-    """Reads what follows the head, number after number."""
+    """Reads what follows the head of a binary file, number after number."""
 
     def __init__(self, body: bytes, order: str):
-        """Take the rest of the file; its order of bytes, or none of text.
+        """Take the rest of the file, and its order of bytes."""
+        self._body, self._order, self._at = body, order, 0
 
-        Raises:
-            ValueError: text that is no numbers.
-        """
-        self._order = order
-        self._body = body
-        self._at = 0
-        self._words: Array | None = None
-        if not order:
-            try:
-                self._words = np.array(body.split(), dtype=np.float64)
-            except ValueError as error:
-                raise ValueError(f"got {error}, allowed numbers") from None
-
-    def take(self, kind: str, count: int) -> Array:
-        """The next numbers; ValueError where the file ends before."""
-        if self._words is not None:
-            found = self._words[self._at : self._at + count]
-            self._at += count
-        else:
-            dtype = np.dtype(self._order + kind)
-            end = self._at + count * dtype.itemsize
-            part = self._body[self._at : end]
-            found = np.frombuffer(part[: len(part) // dtype.itemsize * dtype.itemsize], dtype)
-            self._at = end
-        if len(found) < count:
+    def take(self, kind: Any, count: int) -> Any:
+        """The next numbers, or rows of several kinds; ValueError where the file ends before."""
+        dtype = np.dtype(kind).newbyteorder(self._order)
+        part = self._body[self._at : self._at + count * dtype.itemsize]
+        if len(part) < count * dtype.itemsize:
             raise ValueError("got a file that ends too early, allowed a whole one")
-        return found.astype(np.float64)
+        self._at += len(part)
+        return np.frombuffer(part, dtype)
 
-    def table(self, element: Element) -> dict[str, list[Array]]:
+    def lists(self, element: Element) -> dict[str, list[Array]]:
         """All rows of an element, one array a row and property."""
         found: dict[str, list[Array]] = {prop.name: [] for prop in element.properties}
         for _ in range(element.rows):
             for prop in element.properties:
                 count = int(self.take(prop.length, 1)[0]) if prop.length else 1
-                found[prop.name].append(self.take(prop.kind, count))
+                found[prop.name].append(self.take(prop.kind, count).astype(np.float64))
         return found
 
     def numbers(self, element: Element) -> dict[str, Array]:
         """All rows of an element without lists, one array a property."""
-        names = [prop.name for prop in element.properties]
-        if self._words is not None:
-            rows = self.take("", element.rows * len(names)).reshape(-1, len(names))
-            return dict(zip(names, rows.T, strict=True))
-        dtype = np.dtype([(prop.name, self._order + prop.kind) for prop in element.properties])
-        raw = self.take("u1", element.rows * dtype.itemsize).astype(np.uint8).tobytes()
-        records = np.frombuffer(raw, dtype)
-        return {name: records[name].astype(np.float64) for name in names}
+        kinds = [(prop.name, prop.kind) for prop in element.properties]
+        records = self.take(kinds, element.rows)
+        return {name: records[name].astype(np.float64) for name, _ in kinds}
+
+
+def _as_binary(text: bytes, elements: Sequence[Element]) -> tuple[bytes, list[Element]]:
+    """Numbers of a text and its elements, as a binary file of one kind of numbers has them."""
+    try:
+        body = np.array(text.split(), dtype=np.float64).tobytes()
+    except ValueError as error:
+        raise ValueError(f"got {error}, allowed numbers") from None
+    kinds = [
+        tuple(Property(p.name, "f8", p.length and "f8") for p in element.properties)
+        for element in elements
+    ]
+    both = zip(elements, kinds, strict=True)
+    return body, [replace(element, properties=own) for element, own in both]
 
 
 def read_ply(file: Path, most: int) -> tuple[Array, Indices]:
@@ -121,14 +116,17 @@ def read_ply(file: Path, most: int) -> tuple[Array, Indices]:
     if not content.startswith(b"ply") or not end:
         raise ValueError("got no head from 'ply' to 'end_header', allowed a PLY file")
     order, elements = _parsed(head.decode("ascii", "replace"))
-    reader = Reader(body[2:] if body.startswith(b"\r\n") else body[1:], order)
+    body = body[2:] if body.startswith(b"\r\n") else body[1:]
+    if order == TEXT:
+        body, elements = _as_binary(body, elements)
+    reader = Reader(body, order)
     points: Array = np.zeros((0, 3))
     faces: list[Array] = []
     for element in elements:
         if element.rows > most:
             raise ValueError(f"got {element.rows} rows of '{element.name}', allowed at most {most}")
         if any(prop.length for prop in element.properties):
-            lists = reader.table(element)
+            lists = reader.lists(element)
             faces += next((lists[name] for name in INDICES if name in lists), [])
         else:
             columns = reader.numbers(element)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from solver.types import Array, Indices, Mask
+from solver.types import Array, Mask
 
 NEAR = 1e-9
 """Distance, as a part of the size, below which points are one point, or lie on a line."""
@@ -112,7 +112,7 @@ def convex_pieces(corners: Array) -> list[Array]:
     if _all_convex(corners, near):
         return [corners]
     pieces = dict(enumerate(_ears(corners)))
-    owner = {pair: number for number, piece in pieces.items() for pair in _pairs(piece)}
+    owner = {pair: number for number, piece in pieces.items() for pair in around(piece)}
     lengths = {
         (start, end): float(np.linalg.norm(corners[end] - corners[start]))
         for start, end in owner
@@ -122,13 +122,13 @@ def convex_pieces(corners: Array) -> list[Array]:
         first, second = owner[start, end], owner[end, start]
         joined = _joined(pieces[first], pieces[second], start, end)
         if _all_convex(corners[joined], near):
-            owner |= dict.fromkeys(_pairs(pieces.pop(second)), first)
+            owner |= dict.fromkeys(around(pieces.pop(second)), first)
             pieces[first] = joined
     return [without_straight(corners[piece], near) for piece in pieces.values()]
 
 
-def _pairs(loop: Sequence[int]) -> list[tuple[int, int]]:
-    """The edges of a loop."""
+def around(loop: Sequence[int]) -> list[tuple[int, int]]:
+    """The edges of a loop, each by its two ends."""
     return list(zip(loop, [*loop[1:], loop[0]], strict=True))
 
 
@@ -238,9 +238,3 @@ def _joined(first: list[int], second: list[int], start: int, end: int) -> list[i
     """Two loops as one, without the edge start -> end of the first, end -> start of the second."""
     cut, other = first.index(end), second.index(start)
     return [*first[cut:], *first[:cut], *[*second[other:], *second[:other]][1:-1]]
-
-
-def edges_of(count: int) -> Indices:
-    """The edges of a polygon with so many corners, (count, 2)."""
-    numbers = np.arange(count)
-    return np.stack([numbers, np.roll(numbers, -1)], axis=1)

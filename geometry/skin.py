@@ -15,7 +15,15 @@ from itertools import pairwise
 import numpy as np
 
 from geometry.block import FACES, Block
-from geometry.convex import Convex, normals_of, polygon_faces
+from geometry.convex import (
+    Convex,
+    Faces,
+    edges_between,
+    loops_of,
+    normals_of,
+    polygon_faces,
+)
+from geometry.polygon import size_of
 from solver.types import Array
 
 TOUCHES = 1e-7
@@ -24,8 +32,6 @@ TOUCHES = 1e-7
 FULL = 1e-6
 """Angle that is none, rad."""
 
-Loops = tuple[tuple[int, ...], ...]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Skin:
@@ -33,7 +39,7 @@ class Skin:
 
     corners: Array
     """Corners, (n, d), m."""
-    faces: Loops
+    faces: Faces
     """Numbers of the corners around each face; in the plane around each convex part."""
     edges: Array
     """Ends of the edges, (m, 2, d), m."""
@@ -62,7 +68,7 @@ def skin_of(block: Block, dimension: int) -> Skin:
     return Skin(corners=corners, faces=faces, edges=ends, normals=normals)
 
 
-def faces_of(block: Block, dimension: int) -> tuple[Array, Loops]:
+def faces_of(block: Block, dimension: int) -> tuple[Array, Faces]:
     """Corners, (n, d), m, and their numbers around the faces of what is seen of a block.
 
     Those between two parts are among them; in the plane a face is a part.
@@ -72,23 +78,13 @@ def faces_of(block: Block, dimension: int) -> tuple[Array, Loops]:
         return corners, tuple(FACES) if dimension == 3 else ((0, 1, 2, 3),)
     if (surface := block.solid.surface) is not None:
         return surface.points, tuple(tuple(map(int, tri)) for tri in surface.triangles)
-    return _faces_of_parts(block.solid.parts)
-
-
-def _faces_of_parts(parts: Sequence[Convex]) -> tuple[Array, Loops]:
-    """Corners and faces of parts, part after part."""
-    faces, first = list[tuple[int, ...]](), 0
-    for part in parts:
-        loops = part.faces if part.dimension == 3 else (tuple(range(len(part.corners))),)
-        faces += [tuple(first + k for k in loop) for loop in loops]
-        first += len(part.corners)
-    return np.concatenate([part.corners for part in parts]), tuple(faces)
+    return block.solid.corners, loops_of(block.solid.parts)
 
 
 def skin_of_parts(parts: Sequence[Convex]) -> Skin:
     """What is seen of convex parts that touch one another."""
-    corners, faces = _faces_of_parts(parts)
-    size = float(np.ptp(corners, axis=0).max())
+    corners, faces = np.concatenate([part.corners for part in parts]), loops_of(parts)
+    size = size_of(corners)
     bodies = [_Body(part, size) for part in parts]
     found = [edge for number in range(len(parts)) for edge in _edges_of(bodies, number)]
     d = corners.shape[1]
@@ -97,19 +93,11 @@ def skin_of_parts(parts: Sequence[Convex]) -> Skin:
     return Skin(corners=corners, faces=faces, edges=edges, normals=normals)
 
 
-def _of_faces(corners: Array, faces: Loops) -> Skin:
+def _of_faces(corners: Array, faces: Faces) -> Skin:
     """A closed body in space, each edge of which two faces have."""
-    normals = normals_of(corners, faces)
-    owner: dict[tuple[int, int], int] = {}
-    pairs, both = [], []
-    for number, face in enumerate(faces):
-        for start, end in pairwise((*face, face[0])):
-            if (other := owner.pop((end, start), None)) is None:
-                owner[start, end] = number
-            else:
-                pairs.append((start, end))
-                both.append((other, number))
-    return Skin(corners=corners, faces=faces, edges=corners[pairs], normals=normals[both])
+    found = np.array(edges_between(faces))
+    normals = normals_of(corners, faces)[found[:, [3, 2]]]
+    return Skin(corners=corners, faces=faces, edges=corners[found[:, :2]], normals=normals)
 
 
 class _Body:
@@ -119,21 +107,12 @@ class _Body:
         """Take its planes; a place is on one within a part of the size, m."""
         self.near = TOUCHES * size
         self.corners, self.normals = part.corners, part.normals
-        self.levels = np.array(
-            [part.corners[f[0]] @ n for f, n in zip(part.faces, part.normals, strict=True)]
-        )
+        self.levels = part.levels
         self.low, self.high = part.corners.min(axis=0), part.corners.max(axis=0)
         if part.dimension == 2:
             self.edges = [(a, b, k, k) for k, (a, b) in enumerate(part.faces)]
-            return
-        owner: dict[tuple[int, int], int] = {}
-        self.edges = []
-        for number, face in enumerate(part.faces):
-            for start, end in pairwise((*face, face[0])):
-                if (other := owner.pop((end, start), None)) is None:
-                    owner[start, end] = number
-                else:
-                    self.edges.append((start, end, number, other))
+        else:
+            self.edges = edges_between(part.faces)
 
     def is_near(self, ends: Array) -> bool:
         """True if the box around it reaches the one around a line."""

@@ -92,7 +92,7 @@ def _main(words: list[str]) -> int:
         return 0
     if words[cut + 1 :] and options.command != "run":
         parser.error("options after -- are for `rockslip run`")
-    options.petsc_options = tuple(words[cut + 1 :])
+    options.words, options.petsc_options = words[:cut], tuple(words[cut + 1 :])
     try:
         return int(options.action(options))
     except KeyboardInterrupt:  # before or after a run itself, which handles signals on its own

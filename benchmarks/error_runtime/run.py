@@ -30,6 +30,7 @@ def run(options: argparse.Namespace) -> int:
     check_names(options.families or NAMES)
     check_patterns(options.measures)
     scene = load_scene(options.scene, options.overrides)
+    answered_by = load_scene(options.answer) if options.answer else None
     others = read_beside(options.beside) if options.beside else []
     folder = options.output or Path(options.scene.stem + ".errors")
     claim_folder(folder, options.scene, options.force)
@@ -43,6 +44,7 @@ def run(options: argparse.Namespace) -> int:
         longest=options.longest,
         target=options.target / 100,
         others=others,
+        answered_by=answered_by,
         tell=_ignore if options.quiet else _tell,
     )
     files = write(findings, folder)

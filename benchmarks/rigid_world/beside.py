@@ -1,12 +1,14 @@
 """Times and accuracy of rigid bodies that meet each other, beside MuJoCo.
 
     ./in-env python3 -m benchmarks.rigid_world.beside [--mujoco PYTHON] [NAME ...]
+    ./in-env python3 -m benchmarks.rigid_world.beside --asked      # times beside those asked for
 
 `--mujoco` names a Python that has mujoco, in an environment of its own (`python3 -m venv DIR &&
 DIR/bin/pip install mujoco`); without it this program runs alone. Writes
 `benchmarks/rigid_world.csv`, a row for each scene and program: processor time a step with the rows
-of the history, and what the time may be at most; deepest overlap; largest way of a centre. Run it
-on a machine that does nothing else.
+of the history, and what the time may be at most; deepest overlap; largest way of a centre.
+`--asked` prints the least of three times of each scene that has such a limit. Run it on a machine
+that does nothing else.
 """
 
 from __future__ import annotations
@@ -15,6 +17,7 @@ import argparse
 import json
 import math
 import subprocess
+import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
@@ -27,7 +30,7 @@ import numpy as np
 from benchmarks.rigid_world import scenes
 from benchmarks.rows import Row, write_table
 from rockslip import Scene, parse_scene
-from solver.rigid.system import RigidSystem, blocks_of
+from solver.rigid.system import RigidSystem, centre_of
 
 TABLE = Path(__file__).resolve().parents[1] / "rigid_world.csv"
 PEER = Path(__file__).with_name("peer.py")
@@ -82,7 +85,7 @@ CASES = {
 
 def ours(case: Case, scene: Scene) -> Row:
     """What this program takes, rows included, and finds."""
-    system, dt, left = RigidSystem.from_scene(scene), case.dt, case.steps
+    system, dt, left = RigidSystem(scene), case.dt, case.steps
     places = [system.centre(k) for k in range(len(system.names))]
     sinks = [k for k, name in enumerate(system.columns) if name.endswith(".penetration_m")]
     deepest, taken, kept = 0.0, 0.0, []
@@ -118,15 +121,17 @@ def ours(case: Case, scene: Scene) -> Row:
 def peer(case: Case, scene: Scene, python: str) -> Row:
     """What MuJoCo takes and finds."""
     flat, blocks = scene.dimension == 2, []
-    for spec, block in zip(scene.blocks, blocks_of(scene), strict=True):
+    placed = scene.poses()
+    for spec in scene.blocks:
+        pose = placed[spec.name]
         turn, keep = np.eye(3), [0, 2] if flat else [0, 1, 2]
-        turn[np.ix_(keep, keep)] = block.pose.rotation
+        turn[np.ix_(keep, keep)] = pose.rotation
         place = np.zeros(3)
-        place[keep] = block.centre
+        place[keep] = centre_of(spec.shape, pose)
         blocks.append(
             {
                 "size": [spec.width, spec.thickness, spec.height],
-                "mass": block.shape.mass,
+                "mass": spec.shape.mass,
                 "place": place.tolist(),
                 "axes": turn[:, :2].T.ravel().tolist(),
                 "tilt": spec.tilt,
@@ -166,14 +171,35 @@ def rows(names: list[str], python: str | None) -> Iterator[Row]:
             yield row
 
 
-def main() -> None:
+def asked() -> bool:
+    """Print times beside those that are asked for; True if all are within."""
+    within = True
+    for name, case in CASES.items():
+        if case.most is None:
+            continue
+        scene = parse_scene(case.tables())
+        least = min(ours(case, scene)["ms_a_step"] for _ in range(3))
+        within &= least <= case.most
+        print(
+            f"{name}: {case.steps} steps in {least * case.steps / 1e3:.3g} s,",
+            f"{least:.3g} ms a step, at most {case.most:.3g} asked:",
+            "within" if least <= case.most else "TOO SLOW",
+            flush=True,
+        )
+    return within
+
+
+def main() -> int:
     """Run all and write the table."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
     parser.add_argument("names", nargs="*", metavar="NAME", help="scenes; default: all")
     parser.add_argument("--mujoco", metavar="PYTHON", help="a Python that has mujoco")
+    parser.add_argument("--asked", action="store_true", help="times beside those asked for, alone")
     options = parser.parse_args()
+    if options.asked:
+        return 0 if asked() else 1
     if unknown := [name for name in options.names if name not in CASES]:
         parser.error(f"{unknown[0]}: allowed {', '.join(CASES)}")
     found = rows(options.names, options.mujoco)
@@ -181,7 +207,8 @@ def main() -> None:
         list(found)
     else:
         write_table(TABLE, found)
+    return 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

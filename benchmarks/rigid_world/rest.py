@@ -33,7 +33,7 @@ class Rest:
 def rest(tables: dict[str, Any], end: float, *, system: RigidSystem | None = None) -> Rest:
     """A scene at rest up to a time in steps of 1 ms; `system`: as it is set up otherwise."""
     dt, chunk = 1e-3, 200
-    system = system or RigidSystem.from_scene(parse_scene(tables))
+    system = system or RigidSystem(parse_scene(tables))
     blocks = range(len(system.names))
     places = [(system.centre(k), system.rotation(k)) for k in blocks]
     sinks = [k for k, name in enumerate(system.columns) if name.endswith(".penetration_m")]

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from rockslip import Scene
-from solver.rigid.system import RigidSystem, blocks_of
+from solver.rigid.system import RigidSystem
 
 Tables = dict[str, Any]
 
@@ -151,10 +151,10 @@ def weight(block: Tables) -> float:
 
 def turned(scene: Scene, seed: int, most: float = 0.3) -> RigidSystem:
     """The system of a scene in space on the ground, each block turned by up to `most`, rad."""
-    random, blocks = np.random.default_rng(seed), []
-    for block in blocks_of(scene):
+    random, poses = np.random.default_rng(seed), scene.poses()
+    for block in scene.blocks:
         angle = random.uniform(-most, most)
         c, s = math.cos(angle), math.sin(angle)
         turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-        blocks.append(replace(block, pose=replace(block.pose, rotation=turn)))
-    return RigidSystem.from_scene(scene, blocks)
+        poses[block.name] = replace(poses[block.name], rotation=turn)
+    return RigidSystem(scene, poses)

@@ -8,6 +8,7 @@ from benchmarks.stability.matrix import StabilityCase, StabilityFamily, changed
 from benchmarks.stability.scenes import (
     ASIDE,
     BODIES,
+    CARRIERS,
     DEFAULT_STEPS,
     FALLING,
     FRAME,
@@ -30,6 +31,7 @@ from benchmarks.stability.scenes import (
     SPACE,
     SQUAT,
     STACK,
+    STACKED,
     gaps,
     mass_ratios,
     over,
@@ -133,7 +135,7 @@ FAMILIES: tuple[StabilityFamily, ...] = (
     StabilityFamily(
         name="vertical motion (g)",
         base={**SHAKE, "motion": {**SINE, "vertical": {**SINE, "period": 0.25}}},
-        rows={**BODIES, "stack": {"block": STACK["block"]}},
+        rows={**BODIES, **STACKED},
         columns=over("motion.vertical.amplitude_g", (0.9, 1.1, 2.0, 5.0)),
     ),
     StabilityFamily(
@@ -163,7 +165,7 @@ FAMILIES: tuple[StabilityFamily, ...] = (
             "elastic": {},
             "elastic, lost": {"contact.friction.cohesion_lost": True},
             "rigid": RIGID,
-            "stack": {"block": STACK["block"]},
+            **STACKED,
         },
         columns={
             f"{c:g}": {"contact.friction": {"static": 0.3, "cohesion": c}}
@@ -173,7 +175,7 @@ FAMILIES: tuple[StabilityFamily, ...] = (
     StabilityFamily(
         name="friction that falls",
         base=SHAKE,
-        rows={**MODELS, "stack": {"block": STACK["block"]}},
+        rows={**MODELS, **STACKED},
         columns={
             f"DC {decay:g}, to {dynamic:g}": {
                 "contact.friction": {"static": 0.5, "dynamic": dynamic, "decay": decay}
@@ -208,7 +210,7 @@ FAMILIES: tuple[StabilityFamily, ...] = (
     StabilityFamily(
         name="what carries",
         base=SHAKE,
-        rows={"elastic": {}, "rigid": RIGID, "stack": {"block": STACK["block"]}},
+        rows={**MODELS, **STACKED},
         columns={
             "plate": {"foundation": PLATE},
             "soft plate": {"foundation": {**PLATE, "young": 1e7}},
@@ -280,14 +282,7 @@ FAMILIES: tuple[StabilityFamily, ...] = (
     StabilityFamily(
         name="default steps, friction mu",
         base=changed(SHAKE, DEFAULT_STEPS),
-        rows={
-            "elastic": {},
-            "rigid": RIGID,
-            "stack": {"block": STACK["block"]},
-            "platform": {"foundation": PLATFORM},
-            "rollers": {"foundation": ROLLERS},
-            "frame": {"foundation": FRAME},
-        },
+        rows={**MODELS, **STACKED, **CARRIERS},
         columns=over("contact.friction", (0.0, 0.1, 0.5, 10.0)),
     ),
     StabilityFamily(
@@ -296,10 +291,8 @@ FAMILIES: tuple[StabilityFamily, ...] = (
         rows={
             "shaken": {},
             "landing flat": {**LANDING, "motion": None},
-            "stack": {"block": STACK["block"]},
-            "platform": {"foundation": PLATFORM},
-            "rollers": {"foundation": ROLLERS},
-            "frame": {"foundation": FRAME},
+            **STACKED,
+            **CARRIERS,
         },
         columns=over("block.young", (1e7, 1e9, 1e11, 1e13)),
     ),

@@ -15,6 +15,7 @@ from matplotlib.patches import Rectangle
 
 from benchmarks.stability.verdict import LARGEST_GAIN, Verdict
 from solver.pictures.style import GREY, RED, new_figure, save
+from solver.study.tables import groups
 
 LEAST_GAIN = 1e-14
 """Gains below this, and losses, are drawn as it."""
@@ -30,9 +31,7 @@ def picture(verdicts: Sequence[Verdict], file: Path) -> Path:
 
 def draw(verdicts: Sequence[Verdict]) -> Figure:
     """The figure, a panel for each family."""
-    families: dict[str, list[Verdict]] = {}
-    for verdict in verdicts:
-        families.setdefault(verdict.family, []).append(verdict)
+    families = groups(verdicts, lambda verdict: verdict.family)
     across = min(PANELS_ACROSS, len(families))
     down = math.ceil(len(families) / max(1, across))
     figure = new_figure(1.75 * down + 0.5, width=4.0 * across + 1.0)

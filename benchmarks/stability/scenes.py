@@ -248,3 +248,9 @@ FRAME = {
 
 MODULI = over("block.young", (1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13))
 MODELS: Grid = {"elastic": {}, "rigid": RIGID}
+STACKED: Grid = {"stack": {"block": STACK["block"]}}
+CARRIERS: Grid = {
+    "platform": {"foundation": PLATFORM},
+    "rollers": {"foundation": ROLLERS},
+    "frame": {"foundation": FRAME},
+}

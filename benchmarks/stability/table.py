@@ -9,7 +9,7 @@ from dataclasses import asdict, fields
 
 from benchmarks.stability.verdict import Verdict
 from solver.study import tables
-from solver.study.tables import in_columns
+from solver.study.tables import groups, in_columns
 
 #: Marks of the verdicts in the text: what held is shown by its energy gain instead.
 MARKS = {"refused": "refused", "failed": "FAILED"}
@@ -24,8 +24,7 @@ def as_csv(verdicts: Sequence[Verdict]) -> str:
 def as_text(verdicts: Sequence[Verdict]) -> str:
     """A grid of energy gains for each family, then why scenes were refused or failed."""
     lines: list[str] = []
-    for family in dict.fromkeys(verdict.family for verdict in verdicts):
-        inside = [verdict for verdict in verdicts if verdict.family == family]
+    for family, inside in groups(verdicts, lambda verdict: verdict.family).items():
         if len({verdict.column for verdict in inside}) > 1:
             lines += [f"{family}: largest energy gain", *_grid(inside), ""]
         else:

@@ -1,7 +1,7 @@
-"""Contact of two round elastic bodies: Hertz, and Cattaneo and Mindlin for a tangential load.
+"""Contact of two elastic cylinders: Hertz, and Cattaneo and Mindlin for a tangential load.
 
-Line contact is contact of two parallel cylinders in plane strain, with loads per metre of length;
-point contact is contact of two spheres. All formulas hold for small strain, a/R << 1.
+They are parallel and in plane strain, with loads per metre of length. All formulas hold for small
+strain, a/R << 1.
 
 Sources: Johnson, Contact Mechanics (1985), chapters 4 (normal load), 5 (approach of cylinders) and
 7 (tangential load); Cattaneo (1938); Mindlin (1949).
@@ -61,37 +61,6 @@ class HertzLine:
         return self.peak_pressure * _ellipse(x, self.half_width)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class HertzPoint:
-    """Two spheres, pressed together by P."""
-
-    load: float
-    """P, N."""
-    radius: float
-    """R, m; see `contact_radius`."""
-    modulus: float
-    """E*, Pa; see `contact_modulus`."""
-
-    @property
-    def contact_radius(self) -> float:
-        """Radius of the contact a = (3 P R / (4 E*))^(1/3), m."""
-        return math.cbrt(3 * self.load * self.radius / (4 * self.modulus))
-
-    @property
-    def peak_pressure(self) -> float:
-        """Largest pressure p_0 = 3 P / (2 pi a^2), Pa."""
-        return 3 * self.load / (2 * math.pi * self.contact_radius**2)
-
-    @property
-    def approach(self) -> float:
-        """Approach of the bodies delta = a^2 / R, m."""
-        return self.contact_radius**2 / self.radius
-
-    def pressure(self, r: Array) -> Array:
-        """Pressure p_0 sqrt(1 - r^2/a^2), Pa, at distance r (m) from the middle; 0 outside."""
-        return self.peak_pressure * _ellipse(r, self.contact_radius)
-
-
 def centre_approach(contact: HertzLine) -> float:
     """Approach of the centre of an elastic disc to rigid ground, m (Johnson 1985, Eq. 5.57).
 
@@ -117,20 +86,6 @@ def stick_half_width(contact: HertzLine, tangential: float, friction: float) -> 
         ValueError: Where |Q| > mu P.
     """
     return contact.half_width * math.sqrt(1 - _used(contact.load, tangential, friction))
-
-
-def stick_radius(contact: HertzPoint, tangential: float, friction: float) -> float:
-    """Radius of the stick zone c = a (1 - Q/(mu P))^(1/3), m (Cattaneo 1938, Mindlin 1949).
-
-    Args:
-        contact: The normal contact, pressed first.
-        tangential: Q, N, |Q| <= mu P.
-        friction: mu.
-
-    Raises:
-        ValueError: Where |Q| > mu P.
-    """
-    return contact.contact_radius * math.cbrt(1 - _used(contact.load, tangential, friction))
 
 
 def shear_traction(contact: HertzLine, tangential: float, friction: float, x: Array) -> Array:

@@ -52,8 +52,8 @@ BLOCKS = ("friction=0.1,0.2,0.3",)
 # ## Running it
 #
 # Two studies: the map by a sliding block with 300 synthetic motions, and one line of it by rigid
-# blocks with 30 motions. Both go on where they were stopped. Each leaves tables, pictures and
-# `inertia.html`, one page with everything in it.
+# blocks with 30 motions. Both go on where they were stopped. Each leaves tables and pictures, which
+# `rockslip report` puts on one page.
 
 
 # +
@@ -109,7 +109,7 @@ def main(arguments: list[str] | None = None) -> int:
         code = study("blocks", more, output)
     if code or not _is_first_rank():
         return code
-    print(f"\n{output / 'map' / 'inertia.html'}\n")
+    print(f"\n{output / 'map' / 'lambda.png'}\n")
     tables = (read_table(output / name / "inertia.csv") for name in ("map", "blocks"))
     return verdict("live_load", checks(*tables))
 

@@ -141,12 +141,7 @@ def _meetings(
 
 def _fineness(member: BlockBody) -> float:
     """Facets over the size of a block, 1/m: none of a rigid one."""
-    spec = member.spec
-    if spec.model == "rigid":
-        return 0.0
-    if not spec.is_box:
-        return 1.0 / spec.cell_edge
-    return max(spec.cells[0] / spec.width, spec.cells[-1] / spec.height)
+    return 0.0 if member.spec.model == "rigid" else member.spec.mesh.fineness
 
 
 def initial_state(scene: Scene, assembly: Assembly) -> tuple[State, str]:

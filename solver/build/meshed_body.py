@@ -14,7 +14,7 @@ from dolfinx.fem import assemble_scalar
 from geometry.body_faces import BodyFaces
 from geometry.body_mesh import body_mesh, cells_of_parts, cells_of_surface
 from geometry.cells import Cells
-from geometry.density import FootedDensity, LinearDensity, PiecewiseDensity
+from geometry.compat import geometry_nodes
 from geometry.gmsh_model import MeshedBody
 from geometry.mesh import block_mesh, shape_mesh
 from geometry.mesh_file import STEPS, cells_of_step
@@ -132,26 +132,12 @@ def relative_density(block: BlockSpec, domain: mesh.Mesh, origin: Array) -> fem.
         domain: Its mesh, unrotated.
         origin: Of its own frame there, m.
     """
-    given, d = block.relative_density(), domain.geometry.dim
+    given = block.relative_density()
     if given is None:
         return _of_mesh(block, domain)
-    nodes = domain.geometry.x[domain.geometry.dofmap][:, :, :d] - origin
-    simplices = domain.basix_cell().name in ("triangle", "tetrahedron")
-    if isinstance(given, LinearDensity):
-        found = fem.Function(fem.functionspace(domain, ("Lagrange", 1)))
-        points = found.function_space.tabulate_dof_coordinates()[:, :d]
-        found.x.array[:] = given.at(points - origin)
-        return found
-    if isinstance(given, FootedDensity):
-        found = fem.Function(fem.functionspace(domain, ("DG", 1)))
-        found.x.array[found.function_space.dofmap.list.ravel()] = given.at_vertices(nodes).ravel()
-        return found
-    found = fem.Function(fem.functionspace(domain, ("DG", 0)))
-    cells = found.function_space.dofmap.list.ravel()
-    if isinstance(given, PiecewiseDensity):
-        found.x.array[cells] = given.means(nodes)
-    else:
-        found.x.array[cells] = given.means(nodes, simplices=simplices)
+    cells = domain.geometry.x[geometry_nodes(domain)][:, :, : domain.geometry.dim] - origin
+    found = fem.Function(fem.functionspace(domain, ("DG", given.degree)))
+    found.x.array[found.function_space.dofmap.list.ravel()] = given.in_cells(cells).ravel()
     return found
 
 

@@ -18,9 +18,6 @@ class BodyWriter(Protocol):
     def write(self, time: float, nodal: dict[str, Values], means: Mapping[str, Values]) -> None:
         """Write fields at the nodes and in the cells of the part, by their names, at a time, s."""
 
-    def close(self) -> None:
-        """Finish what belongs to the body alone."""
-
 
 class FieldFiles(Protocol):
     """The files of a run's fields."""
@@ -35,7 +32,7 @@ class FieldFiles(Protocol):
         """All bodies have written their fields at a time, s."""
 
     def close(self) -> None:
-        """Close the files."""
+        """Finish the files of all bodies, and close them."""
 
 
 def open_files(scene: Scene, folder: Path, before: FieldsBefore, *, writes: bool) -> FieldFiles:

@@ -84,10 +84,6 @@ class LinkFields:
         moved = _lines(ends, state) - self._mesh
         self._writer.write(time, {"displacement": in_space(moved)}, twice)
 
-    def close(self) -> None:
-        """Finish the files."""
-        self._writer.close()
-
 
 def _lines(ends: Array, states: Array) -> Array:
     """Ends of both lines of links by their states, (4 links, d), m."""

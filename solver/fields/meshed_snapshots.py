@@ -9,6 +9,7 @@ from typing import Protocol
 import numpy as np
 from dolfinx import fem
 
+from geometry.convex import loops_of
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.reduced_body import ReducedBody, ReducedParts
 from solver.bodies.rigid_body import DenseBody, RigidBox
@@ -56,8 +57,10 @@ class Snapshots:
                     self._bodies.append(ReducedFields(run, number, body.parts, files))
             elif isinstance(body, DenseBody):
                 corners = body.corners if isinstance(body, RigidBox) else platform_corners(scene)
-                loops = body.shape.loops() if isinstance(body, RigidBox) else None
-                own = one_cell(corners) if loops is None else triangles(corners, loops)
+                solid = body.shape.solid if isinstance(body, RigidBox) else None
+                own = one_cell(corners)
+                if solid is not None:
+                    own = triangles(corners, loops_of(solid.parts))
                 writer = files.body(body.name, own)
                 self._bodies.append(RigidFields(run, number, body, corners, writer))
         held = run.assembly.support.held
@@ -86,8 +89,6 @@ class Snapshots:
 
     def close(self) -> None:
         """Finish the files."""
-        for body in self._bodies:
-            body.close()
         self._files.close()
 
 
@@ -176,10 +177,6 @@ class MeshedFields:
         touched = np.where(slips, float(NodeState.SLIPS), float(NodeState.STICKS))
         state[own] = np.where(state[own] < NodeState.SLIPS, touched, state[own])
 
-    def close(self) -> None:
-        """Finish the files."""
-        self._writer.close()
-
 
 class ReducedFields(MeshedFields):
     """The fields of a reduced body on the mesh that it stands for; on rank 0, which has it all."""
@@ -215,10 +212,6 @@ class HeldFields:
         """Write the plate."""
         self._writer.write(time, *self._functions.arrays())
 
-    def close(self) -> None:
-        """Finish the files."""
-        self._writer.close()
-
 
 class MeshedLinks:
     """The links of a run, whose ends are where bodies carry them, bent as they are."""
@@ -234,10 +227,6 @@ class MeshedLinks:
         places = attached.values(state.u)
         ends = np.array([places[list(link.ends)] for link in attached.links.links])
         self._lines.write(time, ends, attached.links.numbers(state.body_links))
-
-    def close(self) -> None:
-        """Finish the files."""
-        self._lines.close()
 
 
 class RigidFields:
@@ -263,7 +252,3 @@ class RigidFields:
         moved = body.material_positions(self._corners, pose) - self._corners
         fields = rigid_fields(moved, body.rows(self._corners, pose) @ speed)
         self._writer.write(time, fields, {})
-
-    def close(self) -> None:
-        """Finish the files."""
-        self._writer.close()

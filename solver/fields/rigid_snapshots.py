@@ -93,8 +93,4 @@ class RigidSnapshots:
 
     def close(self) -> None:
         """Close the files; they are complete after every snapshot."""
-        for writer in self._writers:
-            writer.close()
-        if self._links is not None:
-            self._links.close()
         self._files.close()

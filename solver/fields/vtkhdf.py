@@ -237,9 +237,6 @@ class HdfBody:
         _put(steps, "Values", before, np.array([time]))
         steps.attrs["NSteps"] = before + 1
 
-    def close(self) -> None:
-        """Do nothing: the file is closed as a whole."""
-
 
 def _put(group: Any, name: str, start: int, values: Values) -> None:
     """Write values from a row of a data set on, which then ends with them."""

@@ -148,15 +148,17 @@ class PvdFiles:
     def __init__(self, folder: Path, before: FieldsBefore, *, writes: bool):
         """Take the folder of the run; `writes` is False on all ranks but one."""
         self._folder, self._before, self._writes = folder, before, writes
-        self._file, self._bodies, self._end = folder / "fields.pvd", 0, 0
+        self._file, self._end = folder / "fields.pvd", 0
+        self._series: list[PieceSeries] = []
 
     def body(self, name: str, part: Part) -> PieceSeries:
         """A writer for the next body."""
-        self._bodies += 1
         again = f"-{self._before.part}" if self._before.part > 1 else ""
         stem = f"fields_{name}{again}"
         writes = self._writes or part.comm.size > 1
-        return PieceSeries(self, self._folder / PIECES, stem, part, self._bodies - 1, name, writes)
+        pieces, number = self._folder / PIECES, len(self._series)
+        self._series.append(PieceSeries(self, pieces, stem, part, number, name, writes))
+        return self._series[-1]
 
     def begin(self) -> None:
         """Write an empty index, or what is kept of the old one."""
@@ -188,7 +190,9 @@ class PvdFiles:
         """Do nothing: the index lists each piece as it is written."""
 
     def close(self) -> None:
-        """Do nothing: the index is complete after every piece."""
+        """List the pieces of each body alone; the index of all is complete after every piece."""
+        for series in self._series:
+            series.close()
 
 
 class PieceSeries:

@@ -11,8 +11,12 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from solver.errors import SceneError
+from solver.types import Array
 
 NAME = "events.csv"
 """Name of the file."""
@@ -86,6 +90,58 @@ class Meeting:
     """Angular velocity of the first against the second before, in space, or anticlockwise."""
     later_spin_rad_s: tuple[float, ...]
     """And after; nan where it is not known."""
+
+    @classmethod
+    def of(
+        cls,
+        time: float,
+        names: tuple[str, str],
+        normal: Array,
+        impulse: Array,
+        *,
+        speeds: tuple[float, float, float],
+        spins: tuple[Array, Array],
+        lost: float | None = None,
+    ) -> Meeting:
+        """The meeting of two bodies by what an engine has of it.
+
+        Args:
+            time: When they meet, s.
+            names: Theirs.
+            normal: From the second to the first, of any length, (d,).
+            impulse: On the first, (d,), N s.
+            speeds: Approach, departure, and the part of the approach that the first brings, m/s.
+            spins: Of the first against the second, before and after, rad/s.
+            lost: Energy, J; None: that of the normal impulse.
+        """
+        n = normal / np.linalg.norm(normal)
+        along, (approach, departure, brought) = float(impulse @ n), speeds
+        spin, later = (tuple(map(float, each)) for each in spins)
+        return cls(
+            time_s=time,
+            first=names[0],
+            second=names[1],
+            up=float(n[-1]),
+            approach_m_s=approach,
+            departure_m_s=departure,
+            brought_m_s=brought,
+            impulse_Ns=along,
+            impulse_tangential_Ns=float(np.linalg.norm(impulse - along * n)),
+            energy_lost_J=0.5 * along * (approach - departure) if lost is None else lost,
+            spin_rad_s=spin,
+            later_spin_rad_s=later,
+        )
+
+    @property
+    def measures(self) -> dict[str, Any]:
+        """What an event of the first against the second tells of it, by the names of `Event`."""
+        return {
+            "velocity_before_m_s": -self.approach_m_s,
+            "velocity_after_m_s": self.departure_m_s,
+            "impulse_Ns": self.impulse_Ns,
+            "energy_lost_J": self.energy_lost_J,
+            "impulse_tangential_Ns": self.impulse_tangential_Ns,
+        }
 
     def joined(self, later: Meeting) -> Meeting:
         """This one and one of the same bodies shortly after it, as one."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 
@@ -33,6 +34,20 @@ class State(Enum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Push:
+    """The force of a contact over the frames of a film."""
+
+    force: Array
+    """Over the weight, the mean since the frame before, (n, d)."""
+    weight: float
+    """That weight, N; 1 without gravity."""
+    place: Array
+    """Point of application of that force, m, (n, d)."""
+    states: list[State]
+    """States of the contact, (n,)."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BlockFrames:
     """A block over the frames of a film."""
 
@@ -42,14 +57,8 @@ class BlockFrames:
     """Its axes as columns, (n, d, d)."""
     corners: Array
     """Its corners in its own axes, from its middle, m, (k, d)."""
-    force: Array
-    """Force from its carrier over the weight there, the mean since the frame before, (n, d)."""
-    weight: float
-    """That weight, N; 1 without gravity."""
-    foot: Array
-    """Point of application of that force, m, (n, d)."""
-    states: list[State]
-    """States of the contact, (n,)."""
+    push: Push
+    """The force from its carrier, over the weight that stands there."""
 
 
 def block_frames(run: Run, block: BlockSpec, times: Array) -> BlockFrames:
@@ -63,43 +72,27 @@ def block_frames(run: Run, block: BlockSpec, times: Array) -> BlockFrames:
     if carrier is not None:
         time = run.history["time_s"]
         up = _turned(time, top_axes(run.history, carrier), times)[:, :, -1]
-    if shape.solid is None:
-        half = np.array(shape.half_lengths(d))
-        foot = _foot(centres, frames, half, up, _off(block, half))
-    else:
-        heavy = np.array(shape.centre_of_mass(d)) - middle
-        foot = _foot_of_shape(centres, frames, corners, up, heavy)
-    return BlockFrames(
-        centres=centres,
-        frames=frames,
-        corners=corners,
-        force=_force(run, block, times),
-        weight=run.scene.stacked_mass(block) * run.scene.gravity or 1.0,
-        foot=foot,
-        states=_states(run, block, times),
+    heavy = np.array(shape.centre_of_mass(d)) - middle
+    weight = run.scene.stacked_mass(block) * run.scene.gravity or 1.0
+    push = Push(
+        force=_force(run, block, weight, times),
+        weight=weight,
+        place=_foot(centres, frames, corners, up, heavy),
+        states=_states(run, block, weight, times),
     )
+    return BlockFrames(centres=centres, frames=frames, corners=corners, push=push)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class PairFrames:
-    """The force between two neighbours over the frames of a film."""
+def pair_frames(run: Run, times: Array) -> list[Push]:
+    """Forces on the first of two neighbours that have touched, over the smaller of their weights.
 
-    force: Array
-    """On the first, over the smaller of their weights, the mean since the frame before, (n, d)."""
-    weight: float
-    """The smaller of their weights, N; 1 without gravity."""
-    place: Array
-    """Where they press, m, (n, d)."""
-    states: list[State]
-    """States of the contact, (n,)."""
-
-
-def pair_frames(run: Run, times: Array) -> list[PairFrames]:
-    """Neighbours that have touched, where the run has told what pairs do, at times, s."""
-    masses = {block.name: block.shape.mass for block in run.scene.blocks}
+    Where the run has told what pairs do, at times, s.
+    """
+    blocks = {block.name: block for block in run.scene.blocks}
     found = []
-    for (one, other), known in run.neighbours().items():
-        weight = min(masses[one], masses[other]) * run.scene.gravity or 1.0
+    for names, known in run.neighbours().items():
+        both = [blocks[name].shape for name in names]
+        weight = min(shape.mass for shape in both) * run.scene.gravity or 1.0
         time = np.concatenate([[known["time_s"][0] - 1e-9], known["time_s"]])
         force = np.concatenate([np.zeros((1, run.scene.dimension)), force_on_first(known)])
         means = [_means(time, part, times) / weight for part in force.T]
@@ -108,13 +101,12 @@ def pair_frames(run: Run, times: Array) -> list[PairFrames]:
         axes = "xyz"[: run.scene.dimension]
         place = np.stack([np.interp(times, known["time_s"], known[f"{a}_m"]) for a in axes], axis=1)
         slips = [known[key] for key in ("slip_m", "slip_second_m") if key in known]
-        moved = np.diff([np.interp(times, known["time_s"], slip) for slip in slips], prepend=0.0)
-        moved = np.linalg.norm(moved, axis=0)
-        spacing = times[1] - times[0] if len(times) > 1 else 1.0
-        height = min(b.shape.height for b in run.scene.blocks if b.name in (one, other))
-        fast = AT_REST * math.sqrt(run.scene.gravity * height) * spacing
-        states = [State.SLIPS if way > fast else State.STICKS for way in moved]
-        found.append(PairFrames(force=mean, weight=weight, place=place, states=states))
+        least = _least_way(run, min(shape.height for shape in both), times)
+        states = [
+            State.SLIPS if way > least else State.STICKS
+            for way in _ways(known["time_s"], slips, times)
+        ]
+        found.append(Push(force=mean, weight=weight, place=place, states=states))
     return found
 
 
@@ -145,7 +137,7 @@ def _turned(time: Array, frames: Array, times: Array) -> Array:
     return np.asarray(left @ right)
 
 
-def _force(run: Run, block: BlockSpec, times: Array) -> Array:
+def _force(run: Run, block: BlockSpec, weight: float, times: Array) -> Array:
     """The force from the carrier over the weight, so that an impact counts by its impulse."""
     history, name = run.history, block.name
     carrier = run.scene.carrier_of(block)
@@ -161,45 +153,21 @@ def _force(run: Run, block: BlockSpec, times: Array) -> Array:
         along.append(history[f"{name}.friction_force_second_N"])
     own = np.stack([*along, history[f"{name}.normal_force_N"]], axis=1)
     force = np.nan_to_num(np.einsum("nij,nj->ni", axes, own))
-    weight = run.scene.stacked_mass(block) * run.scene.gravity or 1.0
     means = [_means(history["time_s"], part, times) / weight for part in force.T]
     return np.asarray(np.stack(means, axis=1), dtype=np.float64)
 
 
 def _means(time: Array, values: Array, times: Array) -> Array:
     """Means of what is constant over each step, from each frame to the next."""
-    spacing = times[1] - times[0] if len(times) > 1 else 1.0
     integral = np.concatenate([[0.0], np.cumsum(values[1:] * np.diff(time))])
-    later, before = np.minimum(times, time[-1]), np.maximum(times - spacing, time[0])
+    later, before = np.minimum(times, time[-1]), np.maximum(times - _spacing(times), time[0])
     known = later > before
     gained = np.interp(later, time, integral) - np.interp(before, time, integral)
     at_start = np.full_like(times, values[1] if len(values) > 1 else values[0])
     return np.divide(gained, later - before, out=at_start, where=known)
 
 
-def _off(block: BlockSpec, half: Array) -> Array:
-    """The centre of mass off the middle, over half the edges, (d,)."""
-    d, shape = len(half), block.shape
-    return np.asarray((np.array(shape.centre_of_mass(d)) - shape.middle(d)) / half)
-
-
-def _foot(centres: Array, frames: Array, half: Array, up: Array, off: Array) -> Array:
-    """Lowest point over the carrier: a corner, or between those that share, also of a side.
-
-    Where all share, it is below the centre of mass, `off` the middle over half the edges.
-    """
-    dimension = len(half)
-    signs = np.array(np.meshgrid(*[[-1.0, 1.0]] * dimension)).reshape(dimension, -1).T
-    corners = signs * half
-    placed = centres[:, None] + np.einsum("nij,kj->nki", frames, corners)
-    height = np.einsum("nki,ni->nk", placed, up)
-    height -= height.min(axis=1, keepdims=True)
-    share = np.exp(-height / (TOUCHING * 2 * half[0])) * np.prod(1 + signs * off, axis=1)
-    share /= share.sum(axis=1, keepdims=True)
-    return np.asarray(np.einsum("nk,nki->ni", share, placed))
-
-
-def _foot_of_shape(centres: Array, frames: Array, corners: Array, up: Array, heavy: Array) -> Array:
+def _foot(centres: Array, frames: Array, corners: Array, up: Array, heavy: Array) -> Array:
     """The place nearest to below the centre of mass, `heavy`, between the lowest corners.
 
     These are all that are as low over the carrier as the lowest one, but for a part of the width.
@@ -238,20 +206,31 @@ def _nearest_between(places: Array, target: Array, normal: Array) -> Array:
     return np.asarray(target + nearest[np.argmin(np.einsum("ni,ni->n", nearest, nearest))])
 
 
-def _states(run: Run, block: BlockSpec, times: Array) -> list[State]:
+def _states(run: Run, block: BlockSpec, weight: float, times: Array) -> list[State]:
     """State of a block from the frame before to each frame: it sticks, slips or is in the air."""
     history, name, time = run.history, block.name, run.history["time_s"]
     normal = _means(time, np.nan_to_num(history[f"{name}.normal_force_N"]), times)
-    weight = run.scene.stacked_mass(block) * run.scene.gravity or 1.0
-    spacing = times[1] - times[0] if len(times) > 1 else 1.0
-    moved: Array = np.zeros(len(times))
-    for column in (f"{name}.slip_m", f"{name}.slip_second_m"):
-        if column in history:
-            slip = history[column]
-            gained = np.interp(times, time, slip) - np.interp(times - spacing, time, slip)
-            moved = np.hypot(moved, gained)
-    fast = AT_REST * math.sqrt(run.scene.gravity * block.shape.height) * spacing
+    columns = (f"{name}.slip_m", f"{name}.slip_second_m")
+    slips = [history[column] for column in columns if column in history]
+    least = _least_way(run, block.shape.height, times)
     return [
-        State.OPEN if force < LEAST_FORCE * weight else State.SLIPS if way > fast else State.STICKS
-        for force, way in zip(normal, moved, strict=True)
+        State.OPEN if force < LEAST_FORCE * weight else State.SLIPS if way > least else State.STICKS
+        for force, way in zip(normal, _ways(time, slips, times), strict=True)
     ]
+
+
+def _spacing(times: Array) -> float:
+    """Time from frame to frame, s."""
+    return float(times[1] - times[0]) if len(times) > 1 else 1.0
+
+
+def _ways(time: Array, slips: Sequence[Array], times: Array) -> Array:
+    """How far something slips from the frame before to each frame, by its slips at times, m."""
+    before = times - _spacing(times)
+    gained = [np.interp(times, time, slip) - np.interp(before, time, slip) for slip in slips]
+    return np.asarray(np.linalg.norm(gained, axis=0))
+
+
+def _least_way(run: Run, height: float, times: Array) -> float:
+    """The way from frame to frame beyond which a block of a height slips, m."""
+    return AT_REST * math.sqrt(run.scene.gravity * height) * _spacing(times)

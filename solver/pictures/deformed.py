@@ -42,7 +42,6 @@ from solver.pictures.style import (
     new_figure,
     stress_unit,
 )
-from solver.results.endings import fell_at, overturned_at
 from solver.results.motion import block_motion
 from solver.results.moving import moving_span
 from solver.results.rocking import swings
@@ -94,8 +93,8 @@ def instants(run: Run) -> list[Instant]:
         return _after_release(run, most.name, last, end)
     largest = max(found, key=lambda swing: abs(swing.peak_rad))
     lift = Instant(float(motion.time[largest.first]), "lift-off")
-    lost = {"overturned": overturned_at(run.history, most)}
-    lost["off its carrier"] = fell_at(run.scene, run.history, most)
+    known = entries[most.name]
+    lost = {"overturned": known["overturned_at_s"], "off its carrier": known["fell_at_s"]}
     fall, how = min(((t, how) for how, t in lost.items() if t is not None), default=(math.inf, ""))
     if fall < math.inf:
         middle = 0.5 * (lift.time_s + fall)

@@ -23,7 +23,6 @@ from solver.pictures.style import (
     new_figure,
     zero_line,
 )
-from solver.results.endings import fell_at, overturned_at
 from solver.results.energy import gravity_above_upright
 from solver.results.moving import moving_span
 from solver.results.report import CAUSES
@@ -59,9 +58,8 @@ def _cut_fall(panels: Sequence[Axes], run: Run) -> bool:
 
     Returns whether something is cut off.
     """
-    blocks = run.scene.blocks
-    lost = [overturned_at(run.history, block) for block in blocks]
-    lost += [fell_at(run.scene, run.history, block) for block in blocks]
+    entries = run.summary["blocks"].values()
+    lost = [entry[key] for entry in entries for key in ("overturned_at_s", "fell_at_s")]
     until = min((time for time in lost if time is not None), default=math.inf)
     stands = run.history["time_s"] <= until
     if math.isinf(until) or stands.sum() < 2:

@@ -11,10 +11,10 @@ import matplotlib as mpl
 import numpy as np
 
 from solver.errors import SceneError
+from solver.excitation.sampled import running_integral
 from solver.fields.ground import floor_level
 from solver.pictures.contact import (
     BlockFrames,
-    PairFrames,
     State,
     block_frames,
     drift_at,
@@ -225,21 +225,18 @@ class Shot:
         """Least and greatest place of the bodies in all frames, m, (d,)."""
         self._unit = arrow_of_weight(scene)
         """Length of an arrow that stands for the largest weight, m."""
-        self._weight = max(block.weight for block in blocks)
+        self._weight = max(block.push.weight for block in blocks)
         """That weight, N."""
 
     def draw(self, renderer: Renderer, frame: int) -> Pixels:
         """The picture of a frame."""
         blocks, arrows = self._blocks, []
         bodies = [
-            (surface, BODY[blocks[name].states[frame]] if name in blocks else PLATFORM)
+            (surface, BODY[blocks[name].push.states[frame]] if name in blocks else PLATFORM)
             for name, surface in zip(self.bodies.names, self.bodies.at(frame), strict=True)
         ]
-        pushes: list[tuple[BlockFrames | PairFrames, Array]]
-        pushes = [(b, b.foot[frame]) for b in blocks.values()]
-        pushes += [(p, p.place[frame]) for p in self._pairs]
-        for push, place in pushes:
-            force, state = push.force[frame], push.states[frame]
+        for push in (*(block.push for block in blocks.values()), *self._pairs):
+            force, state, place = push.force[frame], push.states[frame], push.place[frame]
             length = float(np.linalg.norm(force)) * push.weight / self._weight
             if length >= SHORTEST_ARROW:
                 drawn = self._unit * min(length, LONGEST)
@@ -256,13 +253,10 @@ def ground_path(run: Run, times: Array) -> Array:
     path = np.zeros((len(time), dimension))
     axes = {"acceleration_m_s2": 0, "second_acceleration_m_s2": 1}
     axes["vertical_acceleration_m_s2"] = dimension - 1
-    steps = np.diff(time)
     for name, axis in axes.items():
         if f"base.{name}" in history:
-            rate = history[f"base.{name}"]
-            for _ in range(2):
-                rate = np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * steps)])
-            path[:, axis] = rate
+            velocity = running_integral(time, history[f"base.{name}"])
+            path[:, axis] = running_integral(time, velocity)
     return interpolated(time, path, times)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from solver.history.pairs import FRICTION
 from solver.pictures.style import (
     BLUE,
     DASHES,
@@ -69,25 +71,14 @@ def draw_forces(run: Run) -> Figure:
 
 
 def _add_forces(axes: Axes, run: Run, block: BlockSpec) -> None:
-    """Normal force and friction on one block."""
-    history, time = run.history, run.history["time_s"]
+    """Normal force and friction on one block, over the weight that stands there."""
+    history, name = run.history, block.name
     weight = run.scene.stacked_mass(block) * run.scene.gravity
-    unit = weight or 1.0
-    normal = history[f"{block.name}.normal_force_N"] / unit
-    friction = history[f"{block.name}.friction_force_N"] / unit
-    axes.plot(time, normal, color=BLUE, linewidth=0.8, label="normal force")
-    spatial = is_spatial(history, block.name)
-    along_x = " along x" if spatial else ""
-    axes.plot(time, friction, color=RED, linewidth=0.8, label=f"friction force{along_x}")
-    if spatial:
-        second = history[f"{block.name}.friction_force_second_N"] / unit
-        axes.plot(time, second, color=ORANGE, linewidth=0.8, label="friction force along y")
-        friction = np.concatenate([friction, second])
-    cut = _cut_impacts(axes, normal, friction) if weight else ""
-    axes.set_ylabel(f"force / weight{cut}" if weight else "force (N)")
+    ways = ("", "_second") if is_spatial(history, name) else ("",)
+    columns = [f"{name}.normal_force_N", *(f"{name}.friction_force{way}_N" for way in ways)]
+    _add_curves(axes, history["time_s"], [history[column] for column in columns], weight)
     if weight:
         axes.axhline(1, color=GREY, linewidth=0.5, linestyle=":", zorder=0)
-    zero_line(axes)
 
 
 def _neighbours(run: Run) -> list[tuple[tuple[str, str], dict[str, Array]]]:
@@ -100,18 +91,25 @@ def _neighbours(run: Run) -> list[tuple[tuple[str, str], dict[str, Array]]]:
 def _add_neighbours(axes: Axes, run: Run, names: tuple[str, str], known: dict[str, Array]) -> None:
     """Normal force and friction between two blocks, over the smaller of their weights."""
     masses = [block.shape.mass for block in run.scene.blocks if block.name in names]
-    weight = min(masses) * run.scene.gravity
-    normal = known["normal_N"] / (weight or 1.0)
-    friction = known["friction_N"] / (weight or 1.0)
-    axes.plot(known["time_s"], normal, color=BLUE, linewidth=0.8)
-    axes.plot(known["time_s"], friction, color=RED, linewidth=0.8)
-    if "friction_second_N" in known:
-        second = known["friction_second_N"] / (weight or 1.0)
-        axes.plot(known["time_s"], second, color=ORANGE, linewidth=0.8)
-        friction = np.concatenate([friction, second])
-    cut = _cut_impacts(axes, normal, friction) if weight else ""
-    axes.set_ylabel(f"force / weight{cut}" if weight else "force (N)")
+    columns = ("normal_N", *(name for name in FRICTION if name in known))
+    forces = [known[column] for column in columns]
+    _add_curves(axes, known["time_s"], forces, min(masses) * run.scene.gravity)
     axes.set_title(f"between {names[0]} and {names[1]}", loc="left")
+
+
+def _add_curves(axes: Axes, time: Array, forces: Sequence[Array], weight: float) -> None:
+    """A normal force and friction along x, and in space along y, N, over a weight if there is one.
+
+    What lasts a row, an impact, is cut off.
+    """
+    names = ["normal force", "friction force"]
+    if len(forces) > 2:
+        names[1:] = ["friction force along x", "friction force along y"]
+    normal, *friction = (force / (weight or 1.0) for force in forces)
+    for force, hue, name in zip((normal, *friction), (BLUE, RED, ORANGE), names, strict=False):
+        axes.plot(time, force, color=hue, linewidth=0.8, label=name)
+    cut = _cut_impacts(axes, normal, np.concatenate(friction)) if weight else ""
+    axes.set_ylabel(f"force / weight{cut}" if weight else "force (N)")
     zero_line(axes)
 
 

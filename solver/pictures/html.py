@@ -18,8 +18,6 @@ th, td { border-bottom: 1px solid #ddd; padding: 2px 5px; text-align: right; }
 th { text-align: right; border-bottom: 1px solid #444; vertical-align: bottom; }
 td:last-child, th:last-child { text-align: left; } thead { display: table-header-group; }
 tr { break-inside: avoid; }
-table.named { width: auto; } table.named td { text-align: left; padding-right: 1.5rem; }
-table.named td:first-child { color: #555; }
 .caution { border-left: 4px solid #c33; background: #fbeeee; padding: 0.2rem 0.8rem; }
 pre { background: #f5f5f5; padding: 0.6rem; white-space: pre-wrap; font-size: 12px; }
 @media print { body { margin: 0; max-width: none; font-size: 11pt; } table { font-size: 8pt; } }
@@ -71,12 +69,6 @@ def table(rows: Sequence[Sequence[str]]) -> str:
     return (
         f"<table><thead><tr>{head}</tr></thead><tbody>\n" + "\n".join(lines) + "\n</tbody></table>"
     )
-
-
-def named(rows: Iterable[tuple[str, str]]) -> str:
-    """A table of names and values."""
-    lines = [f"<tr><td>{escape(name)}</td><td>{escape(value)}</td></tr>" for name, value in rows]
-    return '<table class="named"><tbody>\n' + "\n".join(lines) + "\n</tbody></table>"
 
 
 def items(texts: Iterable[str]) -> str:

@@ -1,4 +1,4 @@
-"""The page of a run: scene, summary, pictures, film, energy, cautions, how to repeat it."""
+"""The page of a run: what the program says of it, film, pictures and scene, how to repeat it."""
 
 from __future__ import annotations
 
@@ -17,15 +17,13 @@ from solver.pictures.html import (
     figure,
     heading,
     items,
-    named,
     paragraphs,
     table,
     verbatim,
 )
 from solver.pictures.pictures import picture_run
-from solver.results.endings import cut_short
 from solver.results.moving import moving_span
-from solver.results.report import CAUSES, link_line, residual_slip, told_lines
+from solver.results.report import residual_slip, result_lines, told_lines
 from solver.results.runs import Run
 from solver.run.describe import describe
 from solver.scene import scene_to_toml
@@ -60,20 +58,15 @@ def run_page(run: Run, folder: Path, *, filmed: bool) -> str:
     """The page of a run; its pictures are drawn into a folder, and where `filmed` the film, too."""
     pictures, summary = picture_run(run, folder), run.summary
     parts = [
-        *paragraphs([f"The run {early}."] if (early := cut_short(summary)) else []),
-        *paragraphs([_status(summary)]),
+        verbatim("\n".join([run.model, *result_lines(summary)])),
         *cautions([*summary.get("cautions", []), *told_lines(summary)]),
-        heading("Summary"),
+        heading("Blocks"),
         table(_blocks(run)),
-        *_links(summary),
-        *_platform(summary),
     ]
     if filmed:
         parts += [heading("Film"), _film_part(run, folder)]
     parts += [heading("Pictures")]
     parts += [figure(CAPTIONS[file.stem], file) for file in pictures]
-    if summary["energy"]:
-        parts += [heading("Energy"), named(_energy(summary["energy"]))]
     parts += [heading("Scene"), *_derived(run), verbatim(scene_to_toml(run.scene))]
     parts += _repetition(run)
     return document(run.scene.title or run.label, parts)
@@ -101,13 +94,6 @@ def _film(run: Run, folder: Path) -> Path:
     return file
 
 
-def _status(summary: Mapping[str, Any]) -> str:
-    """Status, time and reason of the end of a run, as a sentence."""
-    reason = f": {summary['reason']}" if summary.get("reason") else ""
-    end = f" at t = {summary['end_s']:.6g} s" if "end_s" in summary else ""
-    return f"{summary['model']}, {summary['status']}{end}{reason}."
-
-
 def _why_none(impacts: Sequence[Mapping[str, Any]]) -> str:
     """Reasons why no impact has a restitution."""
     reasons = dict.fromkeys(impact["reason"] for impact in impacts if impact.get("reason"))
@@ -121,7 +107,7 @@ def _blocks(run: Run) -> list[list[str]]:
         entry = run.summary["blocks"][block.name]
         known = [i["restitution"] for i in entry["impacts"] if i.get("restitution") is not None]
         peak = entry["peak_angle_rad"]
-        over, fell = entry.get("overturned_at_s"), entry.get("fell_at_s")
+        over, fell = entry["overturned_at_s"], entry["fell_at_s"]
         mode = str(entry.get("mode", ""))
         mode += f" at {over:.4g} s" if over is not None else ""
         mode += f" at {fell:.4g} s" if fell is not None and over is None else ""
@@ -142,49 +128,6 @@ def _blocks(run: Run) -> list[list[str]]:
     return rows
 
 
-def _links(summary: Mapping[str, Any]) -> list[str]:
-    """A line on each link, if there is one."""
-    rows = [
-        (name, link_line(name, link).removeprefix(f"{name}: "))
-        for name, link in summary.get("links", {}).items()
-    ]
-    return [named(rows)] if rows else []
-
-
-def _platform(summary: Mapping[str, Any]) -> list[str]:
-    """Peak values of the platform, if there is one."""
-    names = {
-        "peak_drift_m": "peak drift of the platform (mm)",
-        "residual_drift_m": "residual drift (mm)",
-        "peak_drift_second_m": "peak drift along y (mm)",
-        "residual_drift_second_m": "residual drift along y (mm)",
-    }
-    found = summary.get("platform", {})
-    rows = [(text, _number(found[key], 1e3)) for key, text in names.items() if key in found]
-    forces = {
-        "peak_base_shear_N": "peak base shear (kN)",
-        "peak_overturning_moment_Nm": "peak overturning moment (kN m)",
-    }
-    rows += [(text, _number(found[key], 1e-3)) for key, text in forces.items() if key in found]
-    return [named(rows)] if rows else []
-
-
-def _energy(energy: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """The balance, and what was lost to what."""
-    rows = [
-        ("energy scale", f"{_number(energy.get('scale_J'))} J"),
-        ("largest gain over the scale", _number(energy.get("largest_gain_fraction"))),
-        ("ledger error over the scale", _number(energy.get("ledger_error_fraction"))),
-    ]
-    loss, shares = energy.get("loss", {}), energy.get("loss_share", {})
-    for key, words in CAUSES.items():
-        lost, share = loss.get(f"{key}_J"), shares.get(key)
-        if lost is not None:
-            part = f" ({share:.1%})" if share is not None else ""
-            rows.append((f"lost to {words}", f"{_number(lost)} J{part}"))
-    return rows
-
-
 def _derived(run: Run) -> list[str]:
     """Derived numbers of the scene, or the error where they cannot be found."""
     try:
@@ -194,7 +137,7 @@ def _derived(run: Run) -> list[str]:
 
 
 def _repetition(run: Run) -> list[str]:
-    """The command that does it again, with which programs, and what it cost."""
+    """The command that does it again, and with which programs."""
     rigid_answer = run.model not in ("finite elements", "rigid blocks")
     command = "reference" if rigid_answer else "run"
     scene = run.folder / "scene.toml"
@@ -206,15 +149,7 @@ def _repetition(run: Run) -> list[str]:
     versions = run.summary.get("versions", {})
     if versions:
         parts += [heading("Versions"), items(f"{name} {text}" for name, text in versions.items())]
-    cost = [(key, _cost(value)) for key, value in run.summary.get("cost", {}).items()]
-    if cost:
-        parts += [heading("Cost"), named(cost)]
     return parts
-
-
-def _cost(value: Any) -> str:
-    """A number or a text of the cost."""
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
 def _number(value: float | None, factor: float = 1.0) -> str:

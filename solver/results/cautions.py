@@ -121,7 +121,7 @@ def _excess_of_hull(solid: Solid) -> float:
     """Volume of the hull of a surface over its own, minus 1; 0 without a surface."""
     if solid.surface is None:
         return 0.0
-    from geometry.solid import of_surface  # numpy and more
+    from geometry.shapes import of_surface  # numpy and more
 
     return of_surface(solid.surface, 1.0, parts="hull").hull_excess
 

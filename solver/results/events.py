@@ -39,7 +39,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 from functools import reduce
 from itertools import zip_longest
 from typing import Any, NamedTuple
@@ -177,13 +177,12 @@ class Recorder:
 
     def saved(self) -> dict[str, Any]:
         """Data to go on from, for `resume`; events in the order in which they were found."""
-        rows = np.concatenate(self._rows) if self._rows else None
-        texts = [[getattr(e, name) for name in e.__dataclass_fields__] for e in self._found]
-        noted = {name: dict(known) for name, known in self._noted.items()}
-        met = self._met.saved()
         return {
-            **{"rows": rows, "first": dict(self._first), "noted": noted, "found": texts},
-            "met": met,
+            "rows": np.concatenate(self._rows) if self._rows else None,
+            "first": dict(self._first),
+            "noted": {name: dict(known) for name, known in self._noted.items()},
+            "found": list(self._found),
+            "met": self._met.saved(),
         }
 
     def resume(self, saved: dict[str, Any]) -> None:
@@ -191,9 +190,8 @@ class Recorder:
         self._rows = [] if saved["rows"] is None else [saved["rows"]]
         self._count = sum(map(len, self._rows))
         self._first, self._noted = saved["first"], saved["noted"]
-        self._met.resume(saved["met"])
-        names = Event.__dataclass_fields__
-        self._found = [Event(**dict(zip(names, values, strict=True))) for values in saved["found"]]
+        self._found = list(saved["found"])
+        self._met.resume(*saved["met"])
 
     def add(self, rows: Array, met: Iterable[Meeting] = (), happened: Iterable[Event] = ()) -> None:
         """The rows of steps that were taken, (n, columns), who met, and what happened in them."""
@@ -261,17 +259,13 @@ class _Meetings:
         self._waiting: list[Meeting] = []
         self._taken: set[Meeting] = set()
 
-    def saved(self) -> dict[str, Any]:
-        """Meetings that wait for their rows, in the types of a checkpoint."""
-        rows = [[getattr(met, f.name) for f in fields(Meeting)] for met in self._waiting]
-        return {"rows": rows, "taken": [met in self._taken for met in self._waiting]}
+    def saved(self) -> tuple[list[Meeting], set[Meeting]]:
+        """Meetings that wait for their rows, and those among them that are events by now."""
+        return list(self._waiting), set(self._taken)
 
-    def resume(self, saved: dict[str, Any]) -> None:
+    def resume(self, waiting: Sequence[Meeting], taken: Iterable[Meeting]) -> None:
         """Go on with those that waited."""
-        names = [field.name for field in fields(Meeting)]
-        self._waiting = [Meeting(**dict(zip(names, row, strict=True))) for row in saved["rows"]]
-        waiting = zip(self._waiting, saved["taken"], strict=True)
-        self._taken = {met for met, taken in waiting if taken}
+        self._waiting, self._taken = list(waiting), set(taken)
 
     def add(self, met: Iterable[Meeting]) -> None:
         """Take in those that may matter."""
@@ -330,17 +324,7 @@ def _collision(met: Meeting) -> Event:
         striking, struck = first, second
     else:
         striking, struck = second, first
-    return Event(
-        time_s=met.time_s,
-        kind="collision",
-        block=striking,
-        meets=struck,
-        velocity_before_m_s=-met.approach_m_s,
-        velocity_after_m_s=met.departure_m_s,
-        impulse_Ns=met.impulse_Ns,
-        energy_lost_J=met.energy_lost_J,
-        impulse_tangential_Ns=met.impulse_tangential_Ns,
-    )
+    return Event(time_s=met.time_s, kind="collision", block=striking, meets=struck, **met.measures)
 
 
 class _Search:
@@ -542,22 +526,16 @@ class _Search:
 
     def _exact(self, event: Event, met: Meeting) -> Event:
         """An event at the instant and with the velocities and impulses that the engine has."""
-        known: dict[str, Any] = {}
-        for when, spin in (("before", met.spin_rad_s), ("after", met.later_spin_rad_s)):
-            name = f"angular_velocity_{when}_rad_s"
-            known[name] = self._turning(met, spin)
-            if math.isnan(known[name]):
-                known[name] = getattr(event, name)
+        turning: dict[str, Any] = {
+            "angular_velocity_before_rad_s": self._turning(met, met.spin_rad_s),
+            "angular_velocity_after_rad_s": self._turning(met, met.later_spin_rad_s),
+        }
         return replace(
             event,
             time_s=met.time_s,
             meets=met.second if met.first == self._block.name else met.first,
-            velocity_before_m_s=-met.approach_m_s,
-            velocity_after_m_s=met.departure_m_s,
-            impulse_Ns=met.impulse_Ns,
-            energy_lost_J=met.energy_lost_J,
-            impulse_tangential_Ns=met.impulse_tangential_Ns,
-            **known,
+            **met.measures,
+            **{name: spin for name, spin in turning.items() if not math.isnan(spin)},
         )
 
     def _turning(self, met: Meeting, spin: tuple[float, ...]) -> float:

@@ -266,27 +266,16 @@ def slenderness(history: Columns, block: BlockSpec) -> Array:
     """Slenderness alpha of a block in the direction in which it leans, over the rows, rad."""
     shape = block.shape
     if not is_spatial(history, block.name):
-        if shape.is_even:
-            return np.full(len(history["time_s"]), shape.slenderness())
         return of_side(shape.slenderness, history[f"{block.name}.angle_rad"])
-    # The upright direction in the block's own frame.
+    # The upright direction in the block's own frame: it leans away from there, towards the place of
+    # its bottom that is farthest that way.
     upright = boxes(history, block).frames[:, 2, :2]
-    across = np.abs(upright)
-    length = np.hypot(across[:, 0], across[:, 1])
-    width = across @ [shape.width, shape.thickness]
+    length = np.linalg.norm(upright, axis=1)
     straight = length == 0
-    width = np.where(straight, shape.width, width / np.where(straight, 1.0, length))
-    if shape.centre is None:
-        return np.arctan2(width, shape.height)
-    # It leans away from there, towards the place of its bottom that is farthest that way.
-    if shape.solid is not None:
-        towards = -upright / np.where(straight, 1.0, length)[:, None]
-        places = np.array(shape.standing_corners())[:, :2] - shape.centre[:2]
-        far = np.where(straight, shape.arm(), (towards @ places.T).max(axis=1))
-        return np.arctan2(far, shape.centre_height)
-    nearer = -(upright @ shape.centre[:2]) / np.where(straight, 1.0, length)
-    arm = np.where(straight, shape.arm(), width / 2 - nearer)
-    return np.arctan2(arm, shape.centre_height)
+    towards = -upright / np.where(straight, 1.0, length)[:, None]
+    places = (np.array(shape.standing_corners()) - shape.centre_of_mass(3))[:, :2]
+    far = np.where(straight, shape.arm(), (towards @ places.T).max(axis=1))
+    return np.arctan2(far, shape.centre_height)
 
 
 def tipping(history: Columns, block: BlockSpec) -> Tipping:

@@ -12,7 +12,9 @@ from typing import Any
 import numpy as np
 
 from geometry.boxes import Boxes, overlap_depth
-from geometry.solid import Convex, common_depth, hull
+from geometry.convex import Convex
+from geometry.overlap import common_depth
+from geometry.shapes import hull
 from solver.results.motion import Columns, boxes
 from solver.scene import BlockSpec, Scene
 from solver.types import Array, Indices, Mask

@@ -25,14 +25,20 @@ LISTED = 8
 
 
 def report(summary: Mapping[str, Any]) -> str:
-    """The result of a run, as lines of text."""
+    """The result of a run, as lines of text, with what to be careful of."""
+    cautions = [f"caution: {text}" for text in summary.get("cautions", [])]
+    return "\n".join([*result_lines(summary), *cautions, *told_lines(summary)]) + "\n"
+
+
+def result_lines(summary: Mapping[str, Any]) -> list[str]:
+    """The result of a run, a line each."""
     early = cut_short(summary)
     lines = [f"the run {early}"] if early else []
     reason = f": {summary['reason']}" if summary["reason"] else ""
     lines.append(f"{summary['status']} at t = {summary['end_s']:.6g} s{reason}")
     for name, block in summary["blocks"].items():
         lines += _block_lines(name, block)
-    lines += [link_line(name, link) for name, link in summary.get("links", {}).items()]
+    lines += [_link(name, link) for name, link in summary.get("links", {}).items()]
     if "platform" in summary:
         lines.append(_platform(summary["platform"]))
     if summary["energy"]:
@@ -46,9 +52,7 @@ def report(summary: Mapping[str, Any]) -> str:
         lines.append(_horizon(summary["horizon"]))
     if "wall_s" in summary["cost"]:
         lines.append(_cost(summary["cost"]))
-    lines += [f"caution: {text}" for text in summary.get("cautions", [])]
-    lines += told_lines(summary)
-    return "\n".join(lines) + "\n"
+    return lines
 
 
 PERTURBED = {"motion": "motion", "start": "tilt and velocity at the start"}
@@ -100,7 +104,7 @@ def _block_lines(name: str, block: Mapping[str, Any]) -> list[str]:
     return lines
 
 
-def link_line(name: str, link: Mapping[str, Any]) -> str:
+def _link(name: str, link: Mapping[str, Any]) -> str:
     """The line on a link."""
     words = [f"peak force {link['peak_force_N']:.4g} N"]
     if "peak_shear_force_N" in link:
@@ -160,8 +164,15 @@ def told_lines(summary: Mapping[str, Any]) -> list[str]:
     ]
 
 
+FORCES = {
+    "peak_base_shear_N": ("peak base shear", "kN"),
+    "peak_overturning_moment_Nm": ("peak overturning moment", "kN m"),
+}
+"""Forces of a platform or structure on the ground in words, by their keys."""
+
+
 def _platform(platform: Mapping[str, float]) -> str:
-    """Lines on the platform."""
+    """The line on the platform."""
     words = []
     for direction, along in (("", ""), ("_second", " along y")):
         if f"peak_drift{direction}_m" in platform:
@@ -169,6 +180,11 @@ def _platform(platform: Mapping[str, float]) -> str:
                 f"peak drift{along} {1e3 * platform[f'peak_drift{direction}_m']:.4g} mm",
                 f"residual drift{along} {1e3 * platform[f'residual_drift{direction}_m']:.3g} mm",
             ]
+    words += [
+        f"{text} {1e-3 * platform[key]:.4g} {unit}"
+        for key, (text, unit) in FORCES.items()
+        if key in platform
+    ]
     return f"platform: {', '.join(words)}"
 
 

@@ -121,7 +121,7 @@ def _read_summary(file: Path, scene: Scene) -> dict[str, Any]:
         for block in scene.blocks:
             own = summary["blocks"][block.name]
             entries += [own["peak_angle_rad"], own["peak_angle_over_alpha"]]
-            entries += [own["impacts"], own["peaks"]]
+            entries += [own["overturned_at_s"], own["fell_at_s"], own["impacts"], own["peaks"]]
             entries += [entry["time_s"] for entry in (*own["impacts"], *own["peaks"])]
     except KeyError as error:
         raise SceneError(str(file), f"no {error.args[0]}", allowed) from None

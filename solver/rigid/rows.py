@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from collections.abc import Sequence
 
 import numpy as np
 
+from geometry.block import Block
+from geometry.outline import rolls
+from geometry.top import top_over_centre
 from solver.history.block_columns import (
     has_lost_carrier,
     write_plane_motion,
     write_space_motion,
 )
-from solver.history.columns import RowLayout, positions
+from solver.history.columns import positions
+from solver.history.engine_rows import EngineRows
 from solver.kernels.world import Steps
 from solver.types import Array
 
@@ -41,37 +44,31 @@ def quaternion_of(rotation: Array) -> Array:
     return np.array([w, x, y, z]) * (1.0 if w >= 0 else -1.0)
 
 
-class Foot(NamedTuple):
-    """A foot of a block."""
-
-    part: int
-    """Its number among the parts of all bodies that have several."""
-    column: int
-    """Number of the first of its columns."""
-
-
 class BlockRows:
     """Writer of the columns of blocks."""
 
-    def __init__(
-        self,
-        bottoms: Array,
-        tops: Array,
-        holds: Array,
-        rolls: Sequence[bool],
-        carriers: Sequence[int],
-        feet: Mapping[int, Sequence[Foot]] | None = None,
-    ):
-        """Keep corners of bottoms and levels of tops about centres of mass, what carries, and feet.
+    def __init__(self, shapes: Sequence[Block], carriers: Sequence[int], columns: EngineRows):
+        """Keep what its columns take of each block.
 
-        Corners of the blocks are (n, 2^(d-1), d), m; levels of their highest corners and of the
-        lowest ones of their tops, which `holds` others, (n,), m; `rolls` where a top is always
-        level; carriers are numbers; feet are those of some blocks, by the numbers of these.
+        `carriers` are the numbers of the bodies that carry the blocks, or the number of blocks for
+        what carries all.
         """
-        self._holds, self._rolls = holds, rolls
-        self._feet = feet or {}
-        self._d, self._bottoms, self._tops = bottoms.shape[2], bottoms, tops
-        self._carriers, self._at = carriers, positions("block", self._d)
+        self._columns, self._carriers, self._d = columns, carriers, columns.dimension
+        d, self._at = self._d, positions("block", self._d)
+        self._bottoms = np.array(
+            [np.array(shape.bottom_corners(d)) - shape.centre_of_mass(d) for shape in shapes]
+        )
+        """Corners of their bottoms about the centres of mass, m, (n, 2^(d-1), d)."""
+        self._tops = [shape.height - shape.centre_height for shape in shapes]
+        """Levels of their highest corners over these, m."""
+        self._holds = [top_over_centre(shape, d) for shape in shapes]
+        """Levels of the lowest corners of their tops, which hold others, m."""
+        self._rolls = [rolls(shape, d) for shape in shapes]
+        """True where a top is always level."""
+        parts = [1 if shape.solid is None else len(shape.solid.parts) for shape in shapes]
+        ends = np.cumsum([count if count > 1 else 0 for count in parts])
+        self._feet = [range(end - shape.feet, end) for shape, end in zip(shapes, ends, strict=True)]
+        """Numbers of their feet among the parts of all bodies that have several."""
 
     def lean(self, steps: Steps, frames: Array, before: Array) -> Array:
         """Lean towards +x of all blocks after steps, carried on, rad, (steps, n).
@@ -83,19 +80,18 @@ class BlockRows:
         lean = np.arctan2(frames[:, :-1, 0, 2], frames[:, :-1, 2, 2])
         return np.unwrap(np.concatenate([before[None], lean]), axis=0)[1:]
 
-    def write(self, rows: Array, layout: RowLayout, steps: Steps, dt: float, lean: Array) -> Array:
+    def write(self, rows: Array, steps: Steps, dt: float, lean: Array) -> Array:
         """Fill in the columns of the blocks for all steps but the first; returns the last lean."""
         frames = rotation_matrices(steps.rotation)
         leans = self.lean(steps, frames, lean)[1:]
         for b, carrier in enumerate(self._carriers):
-            first = layout.block + layout.stride * b
-            own = rows[:, first : first + layout.stride]
+            own = rows[:, self._columns.blocks[b]]
             self._write_motion(own, steps, b, leans[:, b])
             mean = self._write_contact(own, steps, frames, b, carrier, dt)
-            for foot in self._feet.get(b, ()):
-                force = (steps.parts[1:, foot.part, None, :] @ mean)[:, 0] / dt
-                along = force[:, [-1, *range(self._d - 1)]]
-                rows[:, foot.column : foot.column + self._d] = along
+            feet = rows[:, self._columns.feet[b]].reshape(len(rows), len(self._feet[b]), self._d)
+            for foot, part in enumerate(self._feet[b]):
+                force = (steps.parts[1:, part, None, :] @ mean)[:, 0] / dt
+                feet[:, foot] = force[:, [-1, *range(self._d - 1)]]
         return leans[-1]
 
     def _write_motion(self, own: Array, steps: Steps, b: int, lean: Array) -> None:
@@ -147,32 +143,3 @@ class BlockRows:
             own[:, at.slip_second_m] = steps.slip[1:, b, 1]
             own[:, at.friction_force_second_N] = force[:, 1]
         return mean
-
-
-def write_platform(rows: Array, layout: RowLayout, steps: Steps, dt: float) -> None:
-    """Fill in the columns of the platform and of its base, for all steps but the first."""
-    d = steps.centre.shape[-1]
-    at, base = positions("platform", d), positions("foundation", d)
-    own, below = rows[:, layout.platform :], rows[:, layout.foundation :]
-    drift, velocity = steps.centre[1:, -1], steps.velocity[:, -1]
-    acceleration, shear = np.diff(velocity, axis=0) / dt, steps.ground_impulse[1:] / dt
-    for k, second in enumerate(("", "_second")[: d - 1]):
-        own[:, getattr(at, f"drift{second}_m")] = drift[:, k]
-        own[:, getattr(at, f"velocity{second}_m_s")] = velocity[1:, k]
-        own[:, getattr(at, f"acceleration{second}_m_s2")] = acceleration[:, k]
-        below[:, getattr(base, f"base_shear{second}_N")] = shear[:, k]
-
-
-def write_energies(part: Array, stored: Array, exchanged: Array) -> None:
-    """Fill in the columns of the energies.
-
-    The total at the start is still in the error of the ledger. `stored`: kinetic, gravity, spring;
-    `exchanged`: taken in, lost by friction, damping, contact and time stepping, J.
-    """
-    at, total = positions("energy", 3), stored.sum(axis=1)
-    part[:, at.kinetic_J], part[:, at.gravity_J], part[:, at.spring_J] = stored.T
-    part[:, at.strain_J] = part[:, at.interface_J] = part[:, at.contact_damping_J] = 0.0
-    part[:, at.input_J], part[:, at.friction_J] = exchanged[:, 0], exchanged[:, 1]
-    part[:, at.damping_J], part[:, at.contact_J] = exchanged[:, 2], exchanged[:, 3]
-    part[:, at.numerical_J], part[:, at.total_J] = exchanged[:, 4], total
-    part[:, at.ledger_error_J] = total - exchanged[:, 0] + exchanged[:, 1:].sum(axis=1)

@@ -8,100 +8,44 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
 from geometry.arrangement import Pose, level
 from geometry.block import FACES, Block
-from geometry.outline import rolls
-from geometry.top import top_over_centre
 from solver.excitation.forces import arm_of, factors, whole_force
-from solver.history.columns import check_filled, columns, positions, row_layout
+from solver.history.columns import check_filled
+from solver.history.engine_rows import EngineRows
 from solver.history.events import Event, Meeting
-from solver.history.link_columns import LinkRows
 from solver.kernels.world import Body, Mobility, Steps, World
 from solver.rigid.links import link_of
-from solver.rigid.rows import (
-    BlockRows,
-    Foot,
-    quaternion_of,
-    rotation_matrices,
-    write_energies,
-    write_platform,
-)
-from solver.scene import Scene
-from solver.scene.force import ForceSpec
+from solver.rigid.rows import BlockRows, quaternion_of, rotation_matrices
+from solver.scene import BlockSpec, Scene
+from solver.scene.foundation import Platform
 from solver.scene.laws import GROUND, Law
-from solver.scene.link import LinkSpec
 from solver.scene.places import Drift
 from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.types import Array, Indices
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class RigidBlock:
-    """A block and how it starts, in the plane or in space."""
+def drift_of(scene: Scene) -> Drift:
+    """Where the platform of a scene starts, along x and y, m.
 
-    name: str = "block"
-    carriers: tuple[str, ...] = (GROUND,)
-    """Names of the blocks that carry it, or "foundation"; gap and slip are those over the first."""
-    shape: Block
-    pose: Pose
-    """From its own frame, origin at the bottom centre, to where it stands; level 0: the ground."""
-    velocity: Sequence[float] | Array | float = 0.0
-    """Velocity of the centre of mass, relative to the ground, m/s; 0: it rests."""
-    angular_velocity: Sequence[float] | Array | float = 0.0
-    """rad/s: in the plane clockwise, in space a vector or 0."""
-
-    @property
-    def centre(self) -> Array:
-        """Where its centre of mass starts, m."""
-        own = np.array(self.shape.centre_of_mass(len(self.pose.place)))
-        return np.asarray(self.pose(own[None])[0])
+    On an incline that is where the spring holds what it carries.
+    """
+    if not scene.has_platform or scene.time.initial != "static":
+        return 0.0, 0.0
+    if any(spec.tilt for spec in scene.blocks):
+        return 0.0, 0.0
+    mass, stiffness, _ = scene.platform()
+    held, pull = (mass + scene.carried_mass) / stiffness, (*scene.gravity_vector[:-1], 0.0)
+    return held * pull[0], held * pull[1]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RigidPlatform:
-    """A rigid platform on springs and dashpots, in space alike along x and y."""
-
-    mass: float
-    """kg."""
-    stiffness: float
-    """k, N/m."""
-    damping: float = 0.0
-    """c, N s/m."""
-    drift: Drift = (0.0, 0.0)
-    """Along x and y at the start, m; in the plane along x."""
-
-
-def platform_of(scene: Scene) -> RigidPlatform | None:
-    """The platform of a scene; on an incline it starts where the spring holds what it carries."""
-    if not scene.has_platform:
-        return None
-    mass, stiffness, damping = scene.platform()
-    drift = 0.0, 0.0
-    if scene.time.initial == "static" and not any(spec.tilt for spec in scene.blocks):
-        held = (mass + scene.carried_mass) / stiffness
-        pull = *scene.gravity_vector[:-1], 0.0
-        drift = held * pull[0], held * pull[1]
-    return RigidPlatform(mass=mass, stiffness=stiffness, damping=damping, drift=drift)
-
-
-def blocks_of(scene: Scene, drift: Drift = (0.0, 0.0)) -> list[RigidBlock]:
-    """The blocks in the order of the scene, each where it starts; `drift` of the platform, m."""
-    placed = scene.poses(drift=drift)
-    return [
-        RigidBlock(
-            name=spec.name,
-            carriers=spec.carriers,
-            shape=spec.shape,
-            pose=placed[spec.name],
-            velocity=spec.velocity,
-            angular_velocity=spec.angular_velocity,
-        )
-        for spec in scene.blocks
-    ]
+def centre_of(shape: Block, pose: Pose) -> Array:
+    """Where the centre of mass of a block is, m, (d,)."""
+    return np.asarray(pose(np.array([shape.centre_of_mass(len(pose.place))]))[0])
 
 
 TRIAL = 0.1
@@ -142,103 +86,60 @@ class RigidSystem:
     Bodies 0 to n - 1 are the blocks, body n is the ground, or the platform; its top is at level 0.
     """
 
-    def __init__(
-        self,
-        blocks: Sequence[RigidBlock],
-        scheme: GeneralizedAlpha,
-        *,
-        gravity: Sequence[float],
-        platform: RigidPlatform | None,
-        velocity_solve: bool,
-        law_between: Callable[[str, str], Law],
-        tells_pairs: bool,
-        links: Sequence[LinkSpec] = (),
-        forces: Sequence[ForceSpec] = (),
-    ):
-        """Start at t = 0.
-
-        Args:
-            blocks: In the order of their columns.
-            scheme: Of the platform's spring.
-            gravity: (d,), m/s2.
-            platform: What the blocks stand on; None: the ground.
-            velocity_solve: True if contact is also solved at velocity level after each step.
-            law_between: The law of two bodies by their names.
-            tells_pairs: True if it is told what pairs of bodies do to one another.
-            links: Between two bodies.
-            forces: On blocks.
-        """
-        self.dimension = d = len(blocks[0].pose.place)
-        self.names = tuple(block.name for block in blocks)
+    def __init__(self, scene: Scene, poses: Mapping[str, Pose] | None = None):
+        """Start at t = 0, where the scene says, or where blocks stand by their names."""
+        self.dimension = d = scene.dimension
+        self.names = tuple(spec.name for spec in scene.blocks)
         self.time = 0.0
-        moves = platform is not None
-        self.columns = columns(
-            self.names,
-            dimension=d,
-            platform=moves,
-            vertical=True,
-            second=d == 3,
-            links={link.name: not link.is_axial for link in links},
-            feet={block.name: block.shape.feet for block in blocks},
-        )
-        """Names of the columns of the rows: those of a history with all motions of the ground."""
-        self._run = positions("run", d)
-        self._layout = row_layout(len(blocks), dimension=d, platform=moves)
-        self._error = self._layout.energy + positions("energy", d).ledger_error_J
+        self._forces, self._tells_pairs = scene.forces, scene.output.pairs
+        self._moves = scene.has_platform
+        shapes = {spec.name: spec.shape for spec in scene.blocks}
+        self._rows = EngineRows(shapes, scene.links, dimension=d, platform=self._moves)
+        drift = drift_of(scene)
+        base = np.array([*drift[: d - 1], 0.0])
+        placed = dict(poses or scene.poses(drift=drift))
+        centres = {name: centre_of(shape, placed[name]) for name, shape in shapes.items()}
+        scheme = GeneralizedAlpha(scene.time.rho_inf)  # of the platform's spring
         alphas = scheme.alpha_m, scheme.alpha_f, scheme.beta
-        self._world = World(d, gravity, alphas, velocity_solve)
-        for block in blocks:
-            self._world.add(_body_of(self._world, block))
-        self._world.add(_base_of(self._world, platform, d))
-        numbers = {GROUND: len(blocks)} | {block.name: b for b, block in enumerate(blocks)}
-        carriers = [[numbers[name] for name in block.carriers] for block in blocks]
-        _add_links(self._world, links, blocks, numbers, _place_of(platform, d))
-        self._links = LinkRows(links, self.columns, d)
-        self._forces = forces
-        self._pushes = _add_forces(self._world, forces, blocks, numbers)
-        laws, law_of = _laws_of(self.body_names, law_between)
+        self._world = World(d, scene.gravity_vector, alphas, scene.contact.velocity_solve)
+        for spec in scene.blocks:
+            pose, centre = placed[spec.name], centres[spec.name]
+            self._world.add(_body_of(self._world, spec, pose, centre))
+        self._world.add(_base_of(self._world, scene.platform() if self._moves else None, base))
+        numbers = {name: number for number, name in enumerate(self.body_names)}
+        for link in scene.links:
+            ends, at = placed | {GROUND: level(base)}, centres | {GROUND: base}
+            self._world.link(link_of(link, ends, at, numbers))
+        self._pushes = np.zeros((len(scene.forces), d))
+        """Forces at factor 1, N, (forces, d)."""
+        for k, force in enumerate(scene.forces):
+            shape, pose = shapes[force.on], placed[force.on]
+            self._world.force(numbers[force.on], arm_of(force, pose, shape, centres[force.on]))
+            self._pushes[k] = whole_force(force, pose, shape)
+        carriers = [[numbers[name] for name in spec.carriers] for spec in scene.blocks]
+        laws, law_of = _laws_of(self.body_names, scene.laws.between)
         self._world.begin(laws, law_of, [*carriers, []])
-        if tells_pairs:
+        if self._tells_pairs:
             self._world.tell_pairs()
-        self._tells_pairs = tells_pairs
-        bottoms = np.array([_bottom_of(block) for block in blocks])
-        tops = np.array([b.shape.height - b.shape.centre_height for b in blocks])
-        holds = np.array([top_over_centre(block.shape, d) for block in blocks])
-        level_tops = [rolls(block.shape, d) for block in blocks]
         standing = [each[0] for each in carriers]
-        feet = _feet_of(blocks, self.columns)
-        self._written = BlockRows(bottoms, tops, holds, level_tops, standing, feet)
+        self._written = BlockRows(list(shapes.values()), standing, self._rows)
         self._before = self._world.now()
         frames = rotation_matrices(self._before.rotation)
-        self._lean = self._written.lean(self._before, frames, np.zeros(len(blocks)))[0]
+        self._lean = self._written.lean(self._before, frames, np.zeros(len(shapes)))[0]
         self._first = float(self._before.stored.sum())
         self.first_pairs: Array = np.empty((0, 0))
         """The pairs of the trial step from which the forces of `row` are."""
 
-    @classmethod
-    def from_scene(cls, scene: Scene, blocks: Sequence[RigidBlock] | None = None) -> Self:
-        """The system of a scene of rigid blocks on rigid ground or an oscillator.
-
-        `blocks` are those of the scene where they start otherwise than the scene says.
-        """
-        platform = platform_of(scene)
-        return cls(
-            blocks or blocks_of(scene, (0.0, 0.0) if platform is None else platform.drift),
-            GeneralizedAlpha(scene.time.rho_inf),
-            gravity=scene.gravity_vector,
-            platform=platform,
-            velocity_solve=scene.contact.velocity_solve,
-            law_between=scene.laws.between,
-            tells_pairs=scene.output.pairs,
-            links=scene.links,
-            forces=scene.forces,
-        )
-
     @property
     def unknowns(self) -> int:
         """Number of unknowns."""
-        d, moves = self.dimension, self._layout.energy > self._layout.platform
-        return d * (d + 1) // 2 * len(self.names) + (d - 1) * moves
+        d = self.dimension
+        return d * (d + 1) // 2 * len(self.names) + (d - 1) * self._moves
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the columns of the rows: those of a history with all motions of the ground."""
+        return self._rows.names
 
     @property
     def rescued(self) -> dict[str, int]:
@@ -269,21 +170,14 @@ class RigidSystem:
         """The bodies that met since the last call, by their times."""
         names, found = self.body_names, []
         for met in sorted(self._world.collisions(), key=lambda met: met.time):
-            normal = met.normal / np.linalg.norm(met.normal)
-            push = float(met.impulse @ normal)
-            meeting = Meeting(
-                time_s=met.time,
-                first=names[met.first],
-                second=names[met.second],
-                up=float(normal[-1]),
-                approach_m_s=met.approach,
-                departure_m_s=met.departure,
-                brought_m_s=met.brought,
-                impulse_Ns=push,
-                impulse_tangential_Ns=float(np.linalg.norm(met.impulse - push * normal)),
-                energy_lost_J=met.energy,
-                spin_rad_s=tuple(map(float, met.spin)),
-                later_spin_rad_s=tuple(map(float, met.later_spin)),
+            meeting = Meeting.of(
+                met.time,
+                (names[met.first], names[met.second]),
+                met.normal,
+                met.impulse,
+                speeds=(met.approach, met.departure, met.brought),
+                spins=(met.spin, met.later_spin),
+                lost=met.energy,
             )
             found.append(meeting)
         return found
@@ -313,8 +207,8 @@ class RigidSystem:
         if done:
             taken = before.followed_by(steps)
             self._fill(rows, taken, dt, motion[: done + 1])
-            rows[:, self._run.time_s] = times[1 : done + 1]
-            happened = tuple(self._links.events(taken.links, times[1 : done + 1]))
+            rows[:, self._rows.run.time_s] = times[1 : done + 1]
+            happened = tuple(self._rows.links.events(taken.links, times[1 : done + 1]))
             check_filled(self.columns, rows)
             self._before = steps.last()
         self.time += dt * done
@@ -332,20 +226,20 @@ class RigidSystem:
 
     def _fill(self, rows: Array, steps: Steps, dt: float, ground: Array) -> None:
         """Fill in rows, one for each step but the first one, that they follow."""
-        run, layout = self._run, self._layout
-        rows[:, run.step_s] = dt
-        rows[:, run.newton_iterations] = np.diff(steps.iterations)
-        rows[:, run.contact_points_closed] = steps.closed[1:]
-        rows[:, run.base_acceleration_m_s2] = ground[1:, 0]
-        rows[:, run.base_vertical_acceleration_m_s2] = ground[1:, -1]
-        if self.dimension == 3:
-            rows[:, run.base_second_acceleration_m_s2] = ground[1:, 1]
-        self._lean = self._written.write(rows, layout, steps, dt, self._lean)
-        if layout.energy > layout.platform:
-            write_platform(rows, layout, steps, dt)
-        self._links.write(rows, steps.links[1:])
-        write_energies(rows[:, layout.energy :], steps.stored[1:], steps.exchanged[1:])
-        rows[:, self._error] -= self._first
+        columns, row = self._rows, rows.T
+        ground = ground[1:].T
+        columns.write_run(row, dt, np.diff(steps.iterations), steps.closed[1:], ground)
+        self._lean = self._written.write(rows, steps, dt, self._lean)
+        if self._moves:
+            drift, velocity = steps.centre[1:, -1].T, steps.velocity[:, -1].T
+            columns.write_platform(row, drift, velocity[:, 1:], np.diff(velocity) / dt)
+            columns.write_base_shear(row, np.asarray(steps.ground_impulse[1:].T / dt))
+        columns.links.write(rows, steps.links[1:])
+        kinetic, gravity, spring = steps.stored[1:].T
+        taken, friction, damping, contact, numerical = steps.exchanged[1:].T
+        stored = kinetic, 0.0, gravity, spring, 0.0
+        exchanged = taken, friction, damping, 0.0, contact, numerical
+        columns.write_energies(row, stored, exchanged, self._first)
 
     def saved(self) -> dict[str, Any]:
         """How everything stands at the moment, for `restore`."""
@@ -372,11 +266,12 @@ class RigidSystem:
         rows: Array = np.full((1, len(self.columns)), np.nan)
         self._fill(rows, self._before.followed_by(self._before), dt, motion)
         row = rows[0]
-        row[self._run.time_s] = self.time
+        row[self._rows.run.time_s] = self.time
         if not trial.failure:  # else the forces are not known; the step that follows fails, too
             taken = [k for k, name in enumerate(self.columns) if name.endswith(FOLLOWING)]
             row[taken] = trial.rows[0, taken]
-            row[self._run.contact_points_closed] = trial.rows[0, self._run.contact_points_closed]
+            closed = self._rows.run.contact_points_closed
+            row[closed] = trial.rows[0, closed]
         return row
 
     @property
@@ -416,9 +311,9 @@ class RigidSystem:
         return -spin if self.dimension == 2 else spin.copy()
 
 
-def _body_of(world: World, block: RigidBlock) -> Body:
-    """A block as a body of the compiled world."""
-    shape, turn = block.shape, block.pose.rotation
+def _body_of(world: World, spec: BlockSpec, pose: Pose, place: Array) -> Body:
+    """A block as a body of the compiled world, with its centre at a place, m."""
+    shape, turn = spec.shape, pose.rotation
     centre = np.array(shape.centre_of_mass(len(turn)))
     if shape.solid is None:
         pieces = [(np.array(shape.corners(len(turn))) - centre, FACES)]
@@ -430,82 +325,27 @@ def _body_of(world: World, block: RigidBlock) -> Body:
             mass=shape.mass,
             thickness=shape.thickness,
             inertia=shape.rotary_inertia,
-            centre=block.centre,
+            centre=place,
             rotation=math.atan2(turn[1, 0], turn[0, 0]),
-            velocity=block.velocity,
-            spin=-np.asarray(block.angular_velocity),
+            velocity=spec.velocity,
+            spin=-np.array(spec.spins),
         )
     return Body(
         shape=[world.polyhedron(*piece) for piece in pieces],
         mass=shape.mass,
         inertia=shape.principal_inertias if shape.is_even else np.array(shape.inertia_tensor),
-        centre=block.centre,
+        centre=place,
         rotation=quaternion_of(turn),
-        velocity=block.velocity,
-        spin=turn.T @ np.broadcast_to(block.angular_velocity, 3),
+        velocity=spec.velocity,
+        spin=turn.T @ spec.spins,
     )
 
 
-def _add_links(
-    world: World,
-    links: Sequence[LinkSpec],
-    blocks: Sequence[RigidBlock],
-    numbers: Mapping[str, int],
-    base: Array,
-) -> None:
-    """Add links between bodies, by the numbers of these; the base is at a place, m."""
-    placed = {block.name: block.pose for block in blocks} | {GROUND: level(base)}
-    centres = {block.name: block.centre for block in blocks} | {GROUND: base}
-    for link in links:
-        world.link(link_of(link, placed, centres, numbers))
-
-
-def _add_forces(
-    world: World,
-    forces: Sequence[ForceSpec],
-    blocks: Sequence[RigidBlock],
-    numbers: Mapping[str, int],
-) -> Array:
-    """Add forces on blocks, by the numbers of these; returns them at factor 1, N, (forces, d)."""
-    found = np.zeros((len(forces), len(blocks[0].pose.place)))
-    for k, force in enumerate(forces):
-        block = blocks[numbers[force.on]]
-        world.force(numbers[force.on], arm_of(force, block.pose, block.shape, block.centre))
-        found[k] = whole_force(force, block.pose, block.shape)
-    return found
-
-
-def _place_of(platform: RigidPlatform | None, d: int) -> Array:
-    """Where the platform, or the ground, stands at the start, m, (d,)."""
-    return np.zeros(d) if platform is None else np.array([*platform.drift[: d - 1], 0.0])
-
-
-def _feet_of(blocks: Sequence[RigidBlock], names: Sequence[str]) -> dict[int, list[Foot]]:
-    """The feet of blocks that have some, by the numbers of these."""
-    found: dict[int, list[Foot]] = {}
-    first = 0  # among the parts of all bodies that have several
-    for number, block in enumerate(blocks):
-        shape = block.shape
-        parts = 0 if shape.solid is None else len(shape.solid.parts)
-        for k in range(shape.feet):
-            column = names.index(f"{block.name}.foot_{k + 1}.normal_force_N")
-            found.setdefault(number, []).append(Foot(first + parts - shape.feet + k, column))
-        first += parts if parts > 1 else 0
-    return found
-
-
-def _bottom_of(block: RigidBlock) -> Array:
-    """Corners of the bottom of a block about its centre of mass, m, (2^(d-1), d)."""
-    d = len(block.pose.place)
-    return np.array(block.shape.bottom_corners(d)) - block.shape.centre_of_mass(d)
-
-
-def _base_of(world: World, platform: RigidPlatform | None, d: int) -> Body:
-    """The ground, or the platform, whose inertia balances its spring at the start."""
+def _base_of(world: World, platform: Platform | None, place: Array) -> Body:
+    """The ground, or the platform at a place, m, whose inertia balances its spring at the start."""
     shape = world.half_space()
     if platform is None:
         return Body(shape=shape, mobility=Mobility.FIXED)
-    place = _place_of(platform, d)
     return Body(
         shape=shape,
         mobility=Mobility.PLATFORM,

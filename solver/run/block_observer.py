@@ -10,7 +10,7 @@ import numpy as np
 
 from geometry.foundation import level_frame
 from geometry.outline import rolls
-from geometry.top import top_over_centre
+from geometry.top import STEEPEST_TOP, top_over_centre
 from solver.bodies.kinematics import RigidMotion
 from solver.build.block_body import BlockBody
 from solver.contact.body_points import Key, NitschePoints, SurfaceState
@@ -28,9 +28,6 @@ from solver.kernels import meshed
 from solver.stepping.state import State
 from solver.stepping.stepper import Stepper
 from solver.types import Array, Indices, Mask
-
-STEEPEST = 0.5
-"""Upward component of the normal of what bears a block."""
 
 ON_FOOT = 1e-3
 """Part of a block's size: points no farther from an undeformed foot are on it."""
@@ -264,7 +261,7 @@ class BlockObserver:
             return True
         frame = memory.kinematics.frame
         up = frame[:, 0, -1].max() if frame.ndim == 3 else frame[0, -1]
-        return bool(sign * up > STEEPEST)
+        return bool(sign * up > STEEPEST_TOP)
 
     def _first_reference(self, state: State) -> dict[Key, Array]:
         """Reference positions along the carrier of the points of the face that stands on it, m.

@@ -27,7 +27,7 @@ from solver.scene import Scene
 from solver.scene.output import CheckpointSpec
 from solver.scene.reader import differing
 
-FORMAT = 21
+FORMAT = 22
 """Version of the layout of the file."""
 
 NAME = "checkpoint.npz"
@@ -47,6 +47,7 @@ TYPES = {
         "EdgeInterpolation",
         "Projection",
     ),
+    "solver.history.events": ("Event", "Meeting"),
     "solver.scheme.generalized_alpha": ("TangentWeights",),
     "solver.scheme.step_control": ("Ladder",),
     "solver.stepping.body_links": ("LinkMemory",),

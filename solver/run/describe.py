@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from geometry.block import SIDES, Block
-from geometry.solid import chord_error
+from geometry.shapes import chord_error
 from solver.bodies.memory import solver_in_words
 from solver.errors import EnvironmentTrouble
 from solver.excitation.forces import whole_force
@@ -63,7 +63,7 @@ def describe(scene: Scene) -> str:
         )
     for block in scene.blocks:
         of = f" of {block.name}" if len(scene.blocks) > 1 else ""
-        lines.append((f"mesh{of}", block.mesh_size(scene.dimension)))
+        lines.append((f"mesh{of}", block.mesh_in_words))
         lines += _linear_solver(block, scene)
     lines.append(("time", _steps(scene.time)))
     lines += [("caution", text) for text in cautions_of_scene(scene, ground)]
@@ -74,8 +74,8 @@ def _linear_solver(block: BlockSpec, scene: Scene) -> Lines:
     """Linear solver of a meshed block; nothing where it has no mesh."""
     if block.model == "rigid":
         return []
-    unknowns = scene.dimension * block.nodes(scene.dimension)
-    words = solver_in_words(unknowns, block.nodes_below(), scene.dimension)
+    mesh, d = block.mesh, scene.dimension
+    words = solver_in_words(d * mesh.nodes, mesh.nodes_below, d)
     return [("  linear solver", words)]
 
 
@@ -244,7 +244,7 @@ def _sliding(block: BlockSpec, scene: Scene) -> Lines:
     """The friction above which the steady sliding of a meshed block flutters, and what holds it."""
     if block.model == "rigid":
         return []
-    if scene.dimension * block.nodes(scene.dimension) > MOST_LINEARISED:
+    if scene.dimension * block.mesh.nodes > MOST_LINEARISED:
         text = f"not linearised: more than {MOST_LINEARISED} unknowns"
         return [("  steady sliding", text)]
     try:

@@ -203,21 +203,13 @@ class PairObserver:
 
     def _meeting(self, pair: tuple[int, int], own: Collision) -> Meeting:
         """A collision as the recorder takes it."""
-        n = own.normal / np.linalg.norm(own.normal)
-        along = float(own.impulse @ n)
-        return Meeting(
-            time_s=own.begins,
-            first=self.names[pair[0]],
-            second=self.names[pair[1]],
-            up=float(n[-1]),
-            approach_m_s=own.approach,
-            departure_m_s=own.departure,
-            brought_m_s=own.brought,
-            impulse_Ns=along,
-            impulse_tangential_Ns=float(np.linalg.norm(own.impulse - along * n)),
-            energy_lost_J=0.5 * along * (own.approach - own.departure),
-            spin_rad_s=tuple(map(float, own.spin)),
-            later_spin_rad_s=tuple(map(float, own.later_spin)),
+        return Meeting.of(
+            own.begins,
+            (self.names[pair[0]], self.names[pair[1]]),
+            own.normal,
+            own.impulse,
+            speeds=(own.approach, own.departure, own.brought),
+            spins=(own.spin, own.later_spin),
         )
 
     def rows(self, state: State, exchange: Exchange, dt: float) -> Array:

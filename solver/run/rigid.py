@@ -54,7 +54,7 @@ class RigidRun:
         self._scene, self._log, self._writes, self._ranks = scene, log, writes, ranks
         self._motion = ground or read_ground(scene)
         self._at_once = 1
-        self._system = RigidSystem.from_scene(scene)
+        self._system = RigidSystem(scene)
         # What the scene does not have gets no columns in its history.
         self._run_columns = positions("run", scene.dimension)
         self._columns = [self._system.columns.index(name) for name in scene_columns(scene)]

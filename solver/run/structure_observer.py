@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from mpi4py import MPI
-
 import numpy as np
 import scipy.sparse as sp
 
@@ -14,21 +12,11 @@ from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.reduced_body import ReducedBody
 from solver.build.assembly import Assembly
 from solver.history.columns import Structure, positions
+from solver.history.engine_rows import DIRECTIONS
 from solver.parallel import global_sum
 from solver.stepping.point_table import joined
-from solver.stepping.state import Exchange, GroundForces, State
+from solver.stepping.state import GroundForces, State
 from solver.types import Array
-
-DIRECTIONS = ("", "_second")
-"""Names of the horizontal directions within those of columns."""
-
-
-def write_base_shear(forces: GroundForces, comm: MPI.Intracomm, row: Array) -> None:
-    """Force on the ground along each horizontal direction; `row` begins with these columns."""
-    total = global_sum(comm, forces.total)
-    at = positions("foundation", len(total))
-    for k, direction in enumerate(DIRECTIONS[: len(total) - 1]):
-        row[getattr(at, f"base_shear{direction}_N")] = -total[k]
 
 
 class StructureObserver:
@@ -51,28 +39,24 @@ class StructureObserver:
         """Numbers of storeys and columns."""
         return Structure(len(self._storeys.floors), len(self._storeys.feet))
 
-    def write(self, state: State, exchange: Exchange, row: Array) -> None:
-        """The columns of the structure, of its storeys and of its columns, in this order."""
-        forces = exchange.ground or self._stepper.ground_forces(state)
+    def write(self, state: State, forces: GroundForces, row: Array) -> None:
+        """The columns of the structure but its base shear, of its storeys and of its columns.
+
+        By the state after a step, and the mean forces of the ground in the step.
+        """
         own, storey, column = self._at
-        base, *feet = self._resultants(forces, state)
-        self._write_base(forces, base, row)
+        d, (base, *feet) = self._body.dimension, self._resultants(forces, state)
+        for k, direction in enumerate(DIRECTIONS[: d - 1]):
+            row[getattr(own, f"overturning_moment{direction}_Nm")] = base[d + k]
         floors = row[len(own) :]
         self._write_storeys(state, floors)
-        columns, d = floors[len(storey) * len(self._storeys.floors) :], self._body.dimension
+        columns = floors[len(storey) * len(self._storeys.floors) :]
         for number, foot in enumerate(feet):
             part, pushed, moment = columns[len(column) * number :], foot[:d], foot[d:]
             part[column.axial_force_N] = pushed[-1]
             for k, direction in enumerate(DIRECTIONS[: len(moment)]):
                 part[getattr(column, f"shear{direction}_N")] = -pushed[k]
                 part[getattr(column, f"moment{direction}_Nm")] = moment[k]
-
-    def _write_base(self, forces: GroundForces, base: Array, row: Array) -> None:
-        """Base shear and overturning moment."""
-        d, at = self._body.dimension, self._at[0]
-        write_base_shear(forces, self._body.comm, row)
-        for k, direction in enumerate(DIRECTIONS[: d - 1]):
-            row[getattr(at, f"overturning_moment{direction}_Nm")] = base[d + k]
 
     def _resultants(self, forces: GroundForces, state: State) -> Array:
         """Forces of the ground on all nodes, and on those of each foot, with their moments.

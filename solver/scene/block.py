@@ -5,30 +5,21 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
+from geometry import density as densities
 from geometry.block import Block
-from geometry.density import (
-    FootedDensity,
-    LinearDensity,
-    Part,
-    PartedDensity,
-    PiecewiseDensity,
-    mass_of_parts,
-)
-from geometry.density import Vector as SpaceVector
-from geometry.tags import FINER
 from solver.errors import SceneError, Statement, missing_key, not_applicable
 from solver.scene.cells import (
-    box_mesh_size,
-    box_nodes,
+    MeshSize,
     cell_of,
     cells_of,
     default_cell_size,
-    mesh_size_in_words,
-    simplices,
+    mesh_of_box,
+    mesh_of_file,
+    mesh_of_shape,
 )
-from solver.scene.checking import OPEN, Checked, exactly_one, is_open, shown
+from solver.scene.checking import OPEN, Checked, exactly_one, is_open, refuse_length, shown
 from solver.scene.contact import FrictionSpec
 from solver.scene.container import ContainerName, Load, castings, mass_of, sizes_of
 from solver.scene.damping import (
@@ -40,7 +31,6 @@ from solver.scene.damping import (
     stiffness_damping,
 )
 from solver.scene.feet import (
-    Box,
     EvenFeetSpec,
     FootSpec,
     block_between_feet,
@@ -77,13 +67,20 @@ from solver.scene.quantities import (
     Turn,
     Vector,
 )
-from solver.scene.shape import Given, ShapeSpec, Sizes, block_of, own_keys, shift_of, solid_of
+from solver.scene.shape import (
+    Given,
+    ShapeSpec,
+    Sizes,
+    block_of,
+    in_space,
+    own_keys,
+    shift_of,
+    solid_of,
+)
 
 if TYPE_CHECKING:
     from geometry.cells import Cells as MeshCells
     from geometry.solid import Solid
-
-DensityLaw: TypeAlias = LinearDensity | PartedDensity | PiecewiseDensity | FootedDensity
 
 #: Density of elastic feet over the mean of the block, which has all other mass above them.
 FOOT = 1e-3
@@ -316,7 +313,7 @@ class BlockSpec(Checked):
         Where the density follows from the centre of mass, it must be negative nowhere.
         """
         for part in self.parts:
-            self._refuse_length("parts", part.start, dimension)
+            refuse_length("parts", part.start, dimension)
         refuse_parts(self.parts, self._sizes(dimension))
         if self.inertia is not None:
             if isinstance(self.inertia, tuple) != (dimension == 3):
@@ -326,19 +323,13 @@ class BlockSpec(Checked):
             refuse_inertia(self.inertia)
         low, high = self._ends(dimension)
         if self.centre_of_mass is not None:
-            self._refuse_length("centre_of_mass", self.centre_of_mass, dimension)
+            refuse_length("centre_of_mass", self.centre_of_mass, dimension)
             refuse_centre(self.centre_of_mass, low, high)
         if self.inertia is not None:
             body = self._body(dimension)
             refuse_spread(self.inertia, body.mass, body.centre_of_mass(dimension), low, high)
         elif self.centre_of_mass is not None:
             refuse_uneven(self._linear_density(self.centre_of_mass), self.model)
-
-    def _refuse_length(self, key: str, values: tuple[float, ...], dimension: int) -> None:
-        """Refuse a place that has not as many values as a scene has dimensions."""
-        if len(values) != dimension:
-            allowed = f"{dimension} values, each a finite number, where dimension = {dimension}"
-            raise SceneError(key, shown(values), allowed)
 
     def _sizes(self, dimension: int) -> tuple[float, ...]:
         """Its edges along x, in space y, and upwards, m."""
@@ -352,10 +343,10 @@ class BlockSpec(Checked):
         solid = self._solid(dimension)
         return list(map(float, solid.low)), list(map(float, solid.high))
 
-    def _linear_density(self, centre: tuple[float, ...]) -> LinearDensity:
+    def _linear_density(self, centre: tuple[float, ...]) -> densities.LinearDensity:
         """The density over its mean that has a centre of mass."""
         off = *centre[:-1], centre[-1] - self.height / 2
-        return LinearDensity(off=off, sizes=self._sizes(len(centre)))
+        return densities.LinearDensity(off=off, sizes=self._sizes(len(centre)))
 
     def _check_place(self) -> None:
         """Refuse a place that is given twice, and carriers that are none or the same."""
@@ -370,8 +361,7 @@ class BlockSpec(Checked):
         for key in ("offset_second", "tilt_direction_deg"):
             if dimension == 2 and getattr(self, key):
                 raise SceneError(key, shown(getattr(self, key)), "0 where dimension = 2")
-        if self.position is not None:
-            self._refuse_length("position", self.position, dimension)
+        refuse_length("position", self.position, dimension)
         sized = replace(self, **self._lengths_in(dimension))
         sized._feet_in(dimension)
         sized._check_spread(dimension)
@@ -400,10 +390,7 @@ class BlockSpec(Checked):
 
     def _extents(self, dimension: Dimension) -> tuple[float, ...]:
         """Sides of the box around a shape, or of the box above its feet, m."""
-        if self.given_shape is None:
-            return self._sizes(dimension)
-        solid = self._solid(dimension)
-        return tuple(float(side) for side in solid.high - solid.low)
+        return tuple(high - low for low, high in zip(*self._ends(dimension), strict=True))
 
     @property
     def is_box(self) -> bool:
@@ -440,7 +427,7 @@ class BlockSpec(Checked):
             return castings(self.container, self.scale, dimension)
         if self.feet is None:
             return ()
-        return single_feet(self.feet, Box(self.width, self.height, self.thickness), dimension)
+        return single_feet(self.feet, (self.width, self.thickness), dimension)
 
     def _solid(self, dimension: Dimension) -> Solid:
         """Its shape, which is given."""
@@ -462,7 +449,7 @@ class BlockSpec(Checked):
     def _velocity_in(self, dimension: Dimension) -> Vector:
         if is_open(self.velocity):
             return (0.0, 0.0) if dimension == 2 else (0.0, 0.0, 0.0)
-        self._refuse_length("velocity", self.velocity, dimension)
+        refuse_length("velocity", self.velocity, dimension)
         return self.velocity
 
     def _spin_in(self, dimension: Dimension) -> Rotation:
@@ -517,14 +504,14 @@ class BlockSpec(Checked):
         if self.parts:
             assert self.density is not None
             edges = self.width, self.thickness, self.height
-            found = mass_of_parts(edges, self.density, self._parts_in_space())
-            mean = found.mass / volume
-            return Block(**size, density=mean, centre=found.centre, inertia=found.tensor)
+            found = densities.mass_of_parts(edges, self.density, self._parts_in_space())
+            centre, tensor = in_space(found.centre, max(edges)), inertia_tensor(found.inertia)
+            return Block(**size, density=found.volume / volume, centre=centre, inertia=tensor)
         density = self.density or (self.mass or 0.0) / volume  # one of them is there
         tensor = None if self.inertia is None else inertia_tensor(self.inertia)
         return Block(**size, density=density, centre=self._centre_in_space(), inertia=tensor)
 
-    def _centre_in_space(self) -> SpaceVector | None:
+    def _centre_in_space(self) -> densities.Vector | None:
         """The given centre of mass along x, y and upwards, m; None: the middle of the block."""
         if self.centre_of_mass is None:
             return None
@@ -532,18 +519,18 @@ class BlockSpec(Checked):
         y = second[0] if second else 0.0
         return None if (x, y, height) == (0.0, 0.0, self.height / 2) else (x, y, height)
 
-    def _parts_in_space(self) -> list[Part]:
+    def _parts_in_space(self) -> list[densities.Part]:
         """The parts as boxes in space, in the plane as thick as the block."""
         found = []
         for spec in self.parts:
             part, half = spec.part, self.thickness / 2
             if len(part.low) == 2:
                 (x, y), (right, top) = part.low, part.high
-                part = Part((x, -half, y), (right, half, top), part.density)
+                part = densities.Part((x, -half, y), (right, half, top), part.density)
             found.append(part)
         return found
 
-    def relative_density(self) -> DensityLaw | None:
+    def relative_density(self) -> densities.Density | None:
         """Its density over the mean; None: it is the same everywhere, or not known (inertia)."""
         solid = self.shape.solid
         if self.feet is not None:
@@ -551,7 +538,7 @@ class BlockSpec(Checked):
             levels = solid.parts[0].corners[:, -1]
             whole, above = solid.parts_volume, self.width * self.height * self.thickness
             share = (whole - FOOT * (whole - above)) / above
-            return FootedDensity(
+            return densities.FootedDensity(
                 low=float(levels.min()),
                 high=float(levels.max()),
                 box=share,
@@ -559,18 +546,18 @@ class BlockSpec(Checked):
                 law=self._density_of_box(),
             )
         if solid is not None and solid.surface is None:
-            densities = [part.density for part in solid.parts]
-            if max(densities) > min(densities) * (1 + 1e-12):
-                return PiecewiseDensity(parts=solid.parts, mean=self.shape.density)
+            known = [part.density for part in solid.parts]
+            if max(known) > min(known) * (1 + 1e-12):
+                return densities.PiecewiseDensity(parts=solid.parts, mean=self.shape.density)
         return self._density_of_box()
 
-    def _density_of_box(self) -> LinearDensity | PartedDensity | None:
+    def _density_of_box(self) -> densities.LinearDensity | densities.PartedDensity | None:
         """The density of the box over its mean."""
         if self.parts:
             assert self.density is not None
             mean = self._body(self._dimension).density
             parts = (spec.part._replace(density=spec.density / mean) for spec in self.parts)
-            return PartedDensity(rest=self.density / mean, parts=tuple(parts))
+            return densities.PartedDensity(rest=self.density / mean, parts=tuple(parts))
         if self.centre_of_mass is None or self.inertia is not None:
             return None
         if self._centre_in_space() is None:
@@ -621,77 +608,28 @@ class BlockSpec(Checked):
                 found.append(stiffness_damping(ratio, frequency))
         return max(found, key=lambda damping: damping.stiffness)
 
-    def mesh_size(self, dimension: Dimension) -> str:
+    @property
+    def mesh(self) -> MeshSize:
+        """The size of its mesh, if it is elastic."""
+        dimension = self._dimension
+        if self.is_box:
+            sides = self._sizes(dimension)
+            return mesh_of_box(sides, self.cells, self.cell, self.degree, self.refinement)
+        if self.takes_mesh:
+            return mesh_of_file(self.shape, self._own_cells(), self.degree)
+        return mesh_of_shape(self.shape, self.cell_size, self.degree, dimension)
+
+    @property
+    def mesh_in_words(self) -> str:
         """The size of its mesh, or that there is none."""
         if self.model == "rigid":
-            return f"none: rigid, {3 if dimension == 2 else 6} unknowns"
-        if self.is_box:
-            return box_mesh_size(self, dimension)
-        cells, nodes = self._simplices(dimension)
-        size = mesh_size_in_words(
-            cells, self.kind_of_cells(dimension), self.degree, nodes, dimension
-        )
-        if self.takes_mesh:
-            return f"{size}, as in the file"
-        return f"about {size}, cell_size {self.cell_size:g} m"
-
-    def kind_of_cells(self, dimension: Dimension) -> Cell:
-        """What the cells of its mesh are, if it is elastic."""
-        if self.is_box:
-            return self.cell
-        if self.takes_mesh:
-            return "hexahedron" if self._own_cells().name == "hexahedron" else "tetrahedron"
-        return "triangle" if dimension == 2 else "tetrahedron"
+            return f"none: rigid, {3 if self._dimension == 2 else 6} unknowns"
+        return str(self.mesh)
 
     def _own_cells(self) -> MeshCells:
         """The cells of the mesh of its file."""
         assert self.given_shape is not None
         return self.given_shape.cells()
-
-    @property
-    def shortest_edge(self) -> float:
-        """About the length of the shortest edge of its cells, if it is elastic and no box, m."""
-        if self.takes_mesh:
-            return self._own_cells().shortest_edge
-        solid = self.shape.solid
-        if solid is not None and solid.surface is not None:
-            return self.cell_size / FINER
-        return min(self.cell_size, self.shape.shortest_edge)
-
-    @property
-    def cell_edge(self) -> float:
-        """About the length of the edges of its cells, if it is elastic and no box, m."""
-        if self.takes_mesh:
-            cells = self._own_cells()
-            return float(cells.volumes.mean()) ** (1 / 3)
-        return self.cell_size
-
-    def nodes(self, dimension: Dimension) -> int:
-        """Number of the nodes of its mesh, if it is elastic; of a shape about that."""
-        return box_nodes(self) if self.is_box else self._simplices(dimension)[1]
-
-    def nodes_below(self) -> int:
-        """Number of the nodes of its bottom, if it is elastic; of a shape about that."""
-        if self.is_box:
-            return math.prod(self.degree * count + 1 for count in self.cells[:-1])
-        flat = self._dimension - 1
-        across = self.thickness if flat == 1 else 1.0
-        return round(self.shape.bottom_area / across * (self.degree / self.cell_edge) ** flat) + 1
-
-    def _simplices(self, dimension: Dimension) -> tuple[int, int]:
-        """About how many cells and nodes there are of an elastic shape; exact of a linear mesh."""
-        if self.takes_mesh:
-            cells = self._own_cells()
-            nodes = cells.nodes if self.degree == 1 else round(1.6 * len(cells.numbers))
-            return len(cells.numbers), nodes
-        solid = self.shape.solid
-        assert solid is not None
-        if solid.surface is not None:
-            outside = solid.surface.area
-        else:
-            outside = sum(part.area(k) for part in solid.parts for k in range(len(part.faces)))
-        content = solid.volume / (solid.thickness if dimension == 2 else 1.0)
-        return simplices(content, outside, self.cell_size, self.degree, dimension)
 
     @property
     def tilt(self) -> float:

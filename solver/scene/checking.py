@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from numbers import Integral, Real
 from pathlib import Path
@@ -87,6 +87,15 @@ def exactly_one(spec: Any, *names: str) -> None:
         raise missing_key(names[0], f"({wanted})")
     if len(given) > 1:
         raise SceneError(names[0], f"{'both ' * (len(given) == 2)}{' and '.join(given)}", wanted)
+
+
+def refuse_length(
+    key: str, values: Sequence[Any] | None, dimension: int, of: str = "a finite number"
+) -> None:
+    """Refuse an array, if there is one, that has not as many values as a scene has dimensions."""
+    if values is not None and len(values) != dimension:
+        allowed = f"{dimension} values, each {of}, where dimension = {dimension}"
+        raise SceneError(key, shown(values), allowed)
 
 
 def from_table(cls: Any, table: Any, where: str = "") -> Any:

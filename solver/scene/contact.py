@@ -157,7 +157,3 @@ class PairSpec(Checked):
     def where(self) -> str:
         """The path of its table."""
         return ".".join(("pair", *self.between))
-
-    def joins(self, first: str, second: str) -> bool:
-        """True if it is the pair of these two bodies."""
-        return {first, second} == set(self.between)

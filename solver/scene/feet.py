@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from geometry.block import Block
 from solver.errors import SceneError, Statement
@@ -58,26 +58,15 @@ def _sides_of(size: Sides) -> tuple[float, float]:
     return size if isinstance(size, tuple) else (size, size)
 
 
-class Box(NamedTuple):
-    """The block between its feet."""
-
-    width: float
-    """B, m."""
-    height: float
-    """H, m."""
-    thickness: float
-    """t, m."""
-
-
 def single_feet(
-    feet: EvenFeetSpec | tuple[FootSpec, ...], box: Box, dimension: Dimension
+    feet: EvenFeetSpec | tuple[FootSpec, ...], across: tuple[float, float], dimension: Dimension
 ) -> tuple[FootSpec, ...]:
-    """All feet, each for itself.
+    """All feet, each for itself, of a box by its width and thickness, m.
 
     Raises:
         SceneError: They reach beyond the box, or into each other.
     """
-    sides = (box.width, box.thickness)[: dimension - 1]
+    sides = across[: dimension - 1]
     if isinstance(feet, EvenFeetSpec):
         _refuse_pair(feet.size, "feet.size", dimension)
         size = _sides_of(feet.size)
@@ -148,13 +137,13 @@ def block_between_feet(whole: Block, feet: tuple[FootSpec, ...], dimension: Dime
         feet: All of them.
         dimension: Of the scene.
     """
-    from geometry import solid as solids
+    from geometry import shapes
 
     ends = _longest(feet, "bottom"), whole.height - _longest(feet, "top")
     body = _prism((0.0, 0.0), (whole.width, whole.thickness), ends, whole.thickness, dimension)
     above = [_pad(foot, ends, whole.thickness, dimension) for foot in feet if foot.face == "top"]
     below = [_pad(foot, ends, whole.thickness, dimension) for foot in feet if foot.face != "top"]
-    solid = solids.union([body, *above, *below])
+    solid = shapes.union([body, *above, *below])
     bottom = [tuple(map(float, corner)) for pad in below or [body] for corner in pad.bottom]
     along = [corner[0] for corner in bottom]
     x, y, z = whole.centre_of_mass(3)
@@ -191,11 +180,11 @@ def _prism(
     dimension: Dimension,
 ) -> Solid:
     """A box between two levels, in the plane as deep as its scene, m."""
-    from geometry import solid as solids
+    from geometry import shapes
 
     half, (low, high) = sides[0] / 2, levels
     ring = [(-half, low), (half, low), (half, high), (-half, high)]
-    flat = solids.polygon(ring, 1.0, deep)
+    flat = shapes.polygon(ring, 1.0, deep)
     if dimension == 2:
         return flat.moved((middle[0], 0.0))
-    return solids.prism(flat, sides[1]).moved((*middle, 0.0))
+    return shapes.prism(flat, sides[1]).moved((*middle, 0.0))

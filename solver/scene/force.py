@@ -7,7 +7,7 @@ from itertools import pairwise
 from typing import Literal
 
 from solver.errors import SceneError, missing_key, not_applicable
-from solver.scene.checking import Checked, exactly_one, shown
+from solver.scene.checking import Checked, exactly_one, refuse_length, shown
 from solver.scene.names import refuse_name
 from solver.scene.quantities import Course, Dimension, Forces, Instant, Position, Pressure
 
@@ -69,10 +69,7 @@ class ForceSpec(Checked):
     def refuse_elsewhere(self, dimension: Dimension) -> None:
         """Refuse a place, a force or a face that is not of the scene's dimension."""
         for key in ("at", "force"):
-            value = getattr(self, key)
-            if value is not None and len(value) != dimension:
-                allowed = f"{dimension} values, each a finite number, where dimension = {dimension}"
-                raise SceneError(key, shown(value), allowed)
+            refuse_length(key, getattr(self, key), dimension)
         if dimension == 2 and self.face in ("front", "back"):
             raise SceneError("face", shown(self.face), '"left", "right", "top" or "bottom" in 2-D')
 

@@ -11,9 +11,10 @@ from geometry.block import Block
 from solver.errors import SceneError, missing_key, not_applicable
 from solver.scene.cells import (
     SHAPES,
-    box_mesh_size,
+    MeshSize,
     cell_of,
     cells_of,
+    mesh_of_box,
     mesh_size_in_words,
     refined,
 )
@@ -403,18 +404,22 @@ class PlateSpec(Foundation):
         """
         if plane != "solid" or not self.on_spring:
             return None
-        sides = (self.width, self.thickness, self.height)
-        edge = min(side / count for side, count in zip(sides, self.cells, strict=True))
-        return self.material(plane, carried), edge / self.degree
+        return self.material(plane, carried), min(self.mesh.corner_cell) / self.degree
+
+    @property
+    def mesh(self) -> MeshSize:
+        """The size of its mesh; held everywhere it has nodes at the corners of its cells alone."""
+        across = (self.thickness,) if len(self.cells) == 3 else ()
+        degree = 1 if self.support == "fixed" else self.degree
+        return mesh_of_box((self.width, *across, self.height), self.cells, self.cell, degree)
 
     def describe(self, dimension: Dimension, carried: float) -> Lines:
         """Lines of `rockslip check`."""
         size = f"{self.width:g} x {self.height:g} x {self.thickness:g} m"
         if self.support == "fixed" and not self.meshed:
             return [("foundation", f"plate, {size}, {SUPPORTS['fixed']}: a rigid face with ends")]
-        mesh = box_mesh_size(self, dimension)
+        mesh = str(self.mesh)
         if self.support == "fixed":
-            mesh = box_mesh_size(replace(self, degree=1), dimension)
             mesh = f"{mesh.rpartition(', ')[0]}, all of them held"
         return [
             ("foundation", f"meshed plate, {size}, {SUPPORTS[self.support]}"),

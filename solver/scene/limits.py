@@ -9,13 +9,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from geometry.density import FootedDensity, LinearDensity, PiecewiseDensity
 from solver.errors import SceneError
 from solver.scene.block import BlockSpec
 from solver.scene.contact import Bed, ContactSpec
 from solver.scene.link import LinkSpec
 from solver.scene.material import Material
-from solver.scene.quantities import Dimension
 
 STRONGEST_SHAKING = 1e6
 """Largest peak of the ground's acceleration, m/s2: no step follows what a stronger one throws."""
@@ -88,12 +86,10 @@ def refuse_soft_bed(block: BlockSpec, contact: ContactSpec, bed: Bed, pressure: 
         raise SceneError("contact.stiffness", got, allowed)
 
 
-def refuse_soft_corner(
-    block: BlockSpec, material: Material, dimension: Dimension, pressure: float
-) -> None:
+def refuse_soft_corner(block: BlockSpec, material: Material, pressure: float) -> None:
     """Refuse a modulus or a cell too small for a pressure (Pa) times the bottom on one corner."""
-    cell = corner_cell(block, dimension)
-    load = pressure * bottom(block) / material.young  # over E, m2
+    cell = block.mesh.corner_cell
+    load = pressure * block.shape.bottom_area / material.young  # over E, m2
     ratio = material.longitudinal / material.shear
     for strain, most, at, otherwise in (
         (
@@ -116,19 +112,15 @@ def refuse_soft_corner(
 
 
 def refuse_without_energy(
-    block: BlockSpec,
-    material: Material,
-    contact: ContactSpec,
-    dimension: Dimension,
-    pressure: float,
+    block: BlockSpec, material: Material, contact: ContactSpec, pressure: float
 ) -> None:
     """Refuse theta 0 and -1, for which contact has no energy, where there is much of it."""
     if contact.theta == 1:
         return
-    cell = corner_cell(block, dimension)
+    cell = block.mesh.corner_cell
     gamma_h = contact.gamma * material.longitudinal * block.degree**2 / cell[-1]
-    weight = _bottom_of(cell, block) / 2 ** (dimension - 1)
-    share = pressure * bottom(block) / (2 * gamma_h * weight) / (1e-3 * block.height)
+    weight = _bottom_of(cell, block) / 2 ** (len(cell) - 1)
+    share = pressure * block.shape.bottom_area / (2 * gamma_h * weight) / (1e-3 * block.height)
     if share > LARGEST_CONTACT_ENERGY:
         got = f"{contact.theta}, for which contact may gain some {share:.1g} of the energy"
         least = contact.gamma * share / LARGEST_CONTACT_ENERGY
@@ -152,12 +144,18 @@ class TurningBody:
     otherwise: str = ""
 
     @classmethod
-    def of(cls, block: BlockSpec, material: Material, dimension: Dimension) -> TurningBody:
-        """A block of this material in a scene of this dimension."""
-        edge = min(corner_cell(block, dimension)) / block.degree
+    def of(cls, block: BlockSpec, material: Material) -> TurningBody:
+        """A block of this material, as light as its lightest cells: sound is fastest there."""
+        cell, law = block.mesh.corner_cell, block.relative_density()
+        if law is not None:
+            material = replace(material, density=material.density * law.least(cell))
         or_rigid = ', or model = "rigid"'
-        least = replace(material, density=material.density * _least_density(block, dimension))
-        return cls(where=f"{block.name}.young", material=least, edge=edge, otherwise=or_rigid)
+        return cls(
+            where=f"{block.name}.young",
+            material=material,
+            edge=min(cell) / block.degree,
+            otherwise=or_rigid,
+        )
 
     @property
     def longest_step(self) -> float:
@@ -175,34 +173,14 @@ class TurningBody:
             raise SceneError(self.where, got, allowed)
 
 
-def _least_density(block: BlockSpec, dimension: Dimension) -> float:
-    """The least mean density of a cell over that of the block: sound is fastest there."""
-    found = block.relative_density()
-    if found is None:
-        return 1.0
-    if isinstance(found, FootedDensity | PiecewiseDensity):
-        return found.least
-    if isinstance(found, LinearDensity):
-        cells = corner_cell(block, dimension)
-        return found.least([size / edge for size, edge in zip(found.sizes, cells, strict=True)])
-    return min(found.rest, *(part.density for part in found.parts))
-
-
-def refuse_long(block: BlockSpec, dimension: Dimension) -> None:
-    """Refuse a block whose corner cells are far longer than wide: those of shapes are not."""
-    if not block.is_box:
-        return
-    cell = corner_cell(block, dimension)
+def refuse_long(block: BlockSpec) -> None:
+    """Refuse a block whose corner cells are far longer than wide."""
+    cell = block.mesh.corner_cell
     times = max(cell) / min(cell)
     if times > LARGEST_ASPECT:
         graded = f" and refinement {block.refinement:g}" if block.refinement != 1 else ""
         got = f"{list(block.cells)}{graded}, at bottom corners {times:.3g} times as long as wide"
         raise SceneError(f"{block.name}.cells", got, f"at most {LARGEST_ASPECT:g} times")
-
-
-def bottom(block: BlockSpec) -> float:
-    """Area of the bottom, m2."""
-    return block.shape.bottom_area
 
 
 def _bottom_of(cell: Sequence[float], block: BlockSpec) -> float:
@@ -218,25 +196,6 @@ def _facet_below(cell: Sequence[float], block: BlockSpec) -> float:
     if abs(block.tilt_deg) <= 45.0:
         return _bottom_of(cell, block)
     return cell[-1] * (block.thickness if len(cell) == 2 else min(cell[:-1]))
-
-
-def corner_cell(block: BlockSpec, dimension: Dimension) -> list[float]:
-    """Edges of the cell at a bottom corner of a meshed block, the smallest there are, m.
-
-    Those of a shape are alike: by its `cell_size`, or the shortest of its edges.
-    """
-    if not block.is_box:
-        return [block.shortest_edge] * dimension
-    across = (block.thickness,) if dimension == 3 else ()
-    sides = (block.width, *across, block.height)
-    if block.refinement == 1:
-        return [side / count for side, count in zip(sides, block.cells, strict=True)]
-    from geometry.grading import graded, graded_to_both_ends
-
-    along, upwards = block.cells[:-1], block.cells[-1]
-    parts = [graded_to_both_ends(count, block.refinement)[1] for count in along]
-    parts.append(graded(upwards, block.refinement)[1])
-    return [side * float(part) for side, part in zip(sides, parts, strict=True)]
 
 
 def refuse_stiff_links(

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple
 
 from solver.errors import SceneError, Statement, missing_key, not_applicable
-from solver.scene.checking import OPEN, Checked, is_open, key_of, shown
+from solver.scene.checking import OPEN, Checked, is_open, key_of, refuse_length, shown
 from solver.scene.names import refuse_name
 from solver.scene.quantities import (
     Dashpot,
@@ -125,10 +125,7 @@ class LinkSpec(Checked):
     def refuse_elsewhere(self, dimension: Dimension) -> None:
         """Refuse places that are not of the scene's dimension."""
         for key in ("at", "to"):
-            place = getattr(self, key)
-            if place is not None and len(place) != dimension:
-                allowed = f"{dimension} values, each a finite number, where dimension = {dimension}"
-                raise SceneError(key, shown(place), allowed)
+            refuse_length(key, getattr(self, key), dimension)
 
     @property
     def is_axial(self) -> bool:
@@ -139,11 +136,6 @@ class LinkSpec(Checked):
     def pulls(self) -> bool:
         """True if it acts in tension only; along axes: upwards."""
         return KINDS[self.kind].pulls
-
-    @property
-    def can_slacken(self) -> bool:
-        """True if there are places of its ends at which no spring acts."""
-        return self.pulls or bool(self.gap or self.shear_gap)
 
     @property
     def joined(self) -> tuple[str, str]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from itertools import combinations
 from typing import Any
 
-from geometry.density import LinearDensity, Part, Tensor
+from geometry.density import LinearDensity, Part, Tensor, tensor_of
 from solver.errors import SceneError, Statement
 from solver.scene.checking import Checked, shown
 from solver.scene.quantities import Density, Position
@@ -82,12 +82,11 @@ def refuse_uneven(density: LinearDensity, model: str) -> None:
 
 
 def inertia_tensor(given: Any) -> Tensor:
-    """The tensor of a number (in the plane), of three moments, or of a table."""
+    """The tensor of a number (in the plane, about any axis), of three moments, or of a table."""
     if isinstance(given, float):
         given = (given,) * 3
-    if isinstance(given[0], tuple):
-        first, second, third = given
-        return first, second, third
+    if not isinstance(given[0], float):
+        return tensor_of(given)
     x, y, z = given
     return (x, 0.0, 0.0), (0.0, y, 0.0), (0.0, 0.0, z)
 

@@ -9,16 +9,15 @@ import numpy as np
 from geometry.arrangement import (
     Pose,
     initial_position,
-    initial_position_in_space,
     level,
     middle_of,
     pose_of_top,
-    rotation_in_plane,
-    rotation_in_space,
+    rotation_of,
 )
 from geometry.boxes import Boxes, overlap_depth
 from geometry.convex import Convex
-from geometry.solid import common_depth, descent, hull
+from geometry.overlap import common_depth, descent
+from geometry.shapes import hull
 from geometry.top import top_of as outline_of
 from solver.errors import SceneError, Statement
 from solver.scene.block import BlockSpec
@@ -63,7 +62,8 @@ def poses(
             pose = tops["foundation"].after(_in_the_air(spec, spec.position, tilt))
         else:
             below = middle_of([tops[name] for name in spec.carriers])
-            own = _on_level(spec, dimension, tilt)
+            offset = (spec.offset, spec.offset_second)[: dimension - 1]
+            own = initial_position(spec.shape, offset, tilt, spec.tilt_direction)
             carriers = [(known[name], placed[name]) for name in spec.carriers if name in known]
             pose = below.after(_lowered(spec, own, below, carriers, dimension))
         placed[spec.name], tops[spec.name] = pose, pose_of_top(pose, spec.shape.height)
@@ -88,14 +88,6 @@ def stands(blocks: Sequence[BlockSpec], dimension: Dimension) -> dict[str, tuple
         )
         for name, pose in poses(blocks, dimension).items()
     }
-
-
-def _on_level(spec: BlockSpec, dimension: Dimension, tilt: float) -> Pose:
-    """Place of a block on a surface at level 0 whose origin is below its carrier."""
-    if dimension == 2:
-        return initial_position(spec.shape, spec.offset, tilt)
-    offset = spec.offset, spec.offset_second
-    return initial_position_in_space(spec.shape, offset, tilt, spec.tilt_direction)
 
 
 def _lowered(
@@ -154,10 +146,7 @@ def _seen_from(frame: Pose, pose: Pose) -> Pose:
 
 def _in_the_air(spec: BlockSpec, position: tuple[float, ...], tilt: float) -> Pose:
     """Place of a block whose centre of mass is at a position, m, turned about it."""
-    if len(position) == 2:
-        rotation = rotation_in_plane(tilt)
-    else:
-        rotation = rotation_in_space(tilt, spec.tilt_direction)
+    rotation = rotation_of(len(position), tilt, spec.tilt_direction)
     about = np.array(spec.shape.centre_of_mass(len(position)))
     return Pose(rotation=rotation, about=about, place=np.array(position))
 

@@ -216,7 +216,8 @@ class Scene(Checked):
         """Refuse keys of meshed scenes where nothing is meshed, and the other way round."""
         rigid = next((block.name for block in self.blocks if block.model == "rigid"), None)
         if not self.is_rigid:
-            self._refuse_unmeshed()
+            for where, _ in self._restitutions():  # a meshed body rebounds by itself
+                raise not_applicable(f"{where}.restitution", UNMESHED)
         for key in ("stiffness", "damping"):
             if self.is_rigid and getattr(self.contact, key):
                 what = "scenes with a meshed body only, block.restitution to rigid blocks"
@@ -228,16 +229,9 @@ class Scene(Checked):
             # Their steps are cut where bodies touch and where slips end, whatever `step` is.
             raise not_applicable("time.adaptive", "scenes with meshed bodies only")
 
-    def _refuse_unmeshed(self) -> None:
-        """Refuse keys for which a block has to rebound: a meshed one does by itself."""
-        for where, _ in self._restitutions():
-            raise not_applicable(f"{where}.restitution", UNMESHED)
-
     def _check_degree(self, block: BlockSpec) -> None:
         """Refuse quadratic tetrahedra with nodes: no rule has positive weights at the vertices."""
-        tetrahedra = (
-            block.model == "elastic" and block.kind_of_cells(self.dimension) == "tetrahedron"
-        )
+        tetrahedra = block.model == "elastic" and block.mesh.kind == "tetrahedron"
         if tetrahedra and block.degree == 2 and self.contact.points == "nodes":
             allowed = '1 for tetrahedra, or contact.points = "gauss"'
             raise SceneError(f"{block.name}.degree", "2", allowed)
@@ -274,7 +268,7 @@ class Scene(Checked):
             SceneError: Names the key, its value, and what is allowed.
         """
         limits.refuse_strong(shaking)
-        contact, plane, dimension = self.contact, self.material_plane, self.dimension
+        contact, plane = self.contact, self.material_plane
         if not self.is_rigid and contact.theta != 1 and contact.points == "gauss":
             # At Gauss points theta = 0 and -1 give cohesion no energy: it gains without end.
             if any(self.friction_of(block).cohesion > 0 for block in self.blocks):
@@ -282,14 +276,14 @@ class Scene(Checked):
                 raise SceneError("contact.theta", got, '1, or points = "nodes"')
         for block in self.blocks:
             if block.model == "elastic":
-                limits.refuse_long(block, dimension)
+                limits.refuse_long(block)
         for turning in self._turning_bodies():
             turning.refuse_stiff(self.time.largest or self.time.step)
         below_all = self.foundation.pressed_material(plane, self.carried_mass)
         masses = self.stacked_masses
         for block in self.blocks:
             weight = masses[block.name] * (self.gravity + shaking)
-            pressure, bed = weight / limits.bottom(block), self.bed_of(block)
+            pressure, bed = weight / block.shape.bottom_area, self.bed_of(block)
             if bed is not None:
                 limits.refuse_soft_bed(block, contact, bed, pressure)
             carrier = self.carrier_of(block)
@@ -298,8 +292,8 @@ class Scene(Checked):
                     limits.refuse_soft(f"{body.name}.young", body.material(plane), pressure)
             if block.model == "elastic":
                 material = block.material(plane)
-                limits.refuse_soft_corner(block, material, dimension, pressure)
-                limits.refuse_without_energy(block, material, contact, dimension, pressure)
+                limits.refuse_soft_corner(block, material, pressure)
+                limits.refuse_without_energy(block, material, contact, pressure)
             if carrier is None and below_all is not None:
                 limits.refuse_soft("foundation.young", below_all, pressure)
 
@@ -308,7 +302,7 @@ class Scene(Checked):
         plane = self.material_plane
         for block in self.blocks:
             if block.model == "elastic":
-                yield limits.TurningBody.of(block, block.material(plane), self.dimension)
+                yield limits.TurningBody.of(block, block.material(plane))
         turning = self.foundation.turning_cells(plane, self.carried_mass)
         if turning is not None:
             material, edge = turning

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, TypeAlias
 from geometry.block import Block
 from geometry.density import Tensor, Vector
 from solver.errors import SceneError, Statement, missing_key, not_applicable
-from solver.scene.checking import OPEN, Checked, is_open, shown
+from solver.scene.checking import OPEN, Checked, is_open, refuse_length
+from solver.scene.mass import inertia_tensor
 from solver.scene.quantities import Density, Dimension, Length, Number, Place, Position
 
 if TYPE_CHECKING:
@@ -152,9 +153,7 @@ class ShapeSpec(Checked):
             if dimension == 2 and getattr(self, key) not in (None, ()):
                 other = {"cylinder": " (a disc: regular = 100)"}.get(key, "")
                 raise not_applicable(f"shape.{key}", f"3-D scenes only{other}")
-        if self.at is not None and len(self.at) != dimension:
-            allowed = f"{dimension} values, each a finite number, where dimension = {dimension}"
-            raise SceneError("shape.at", shown(self.at), allowed)
+        refuse_length("shape.at", self.at, dimension)
         for part in self.union:
             part.in_dimension(dimension)
 
@@ -214,30 +213,23 @@ def block_of(shape: ShapeSpec, sizes: Sizes, dimension: Dimension, given: Given)
         height=height,
         thickness=across[0] if across else solid.thickness,
         density=solid.mass / solid.volume,
-        centre=given.centre or _in_space(solid.centre, solid.size),
-        inertia=given.inertia or _tensor_of(solid.inertia),
+        centre=given.centre or in_space(solid.centre, solid.size),
+        inertia=given.inertia or inertia_tensor(solid.inertia),
         base=(float(ends.min()), float(ends.max())),
         solid=solid,
     )
 
 
-def _in_space(place: Array, size: float) -> Vector:
+def in_space(place: Array, size: float) -> Vector:
     """A place along x, y and upwards, in the middle where it is off by round-off of the size."""
     x, *y, z = (0.0 if abs(each) < 1e-14 * size else float(each) for each in place)
     return x, y[0] if y else 0.0, z
 
 
-def _tensor_of(inertia: Array | float) -> Tensor:
-    """An inertia about a centre; in the plane that about y, whatever those about x and z are."""
-    if isinstance(inertia, float):
-        return (inertia, 0.0, 0.0), (0.0, inertia, 0.0), (0.0, 0.0, inertia)
-    first, second, third = ((float(r[0]), float(r[1]), float(r[2])) for r in inertia)
-    return first, second, third
-
-
 def _part(shape: ShapeSpec, sizes: Sizes, dimension: Dimension, where: str) -> Solid:
     """A shape in the frame in which its numbers are given."""
-    from geometry import solid as solids  # numpy and more: scenes of boxes do without
+    from geometry import shapes  # numpy and more: scenes of boxes do without
+    from geometry.surface_file import read_surface
 
     density, kind = shape.density or sizes.density, shape.kind
     thickness = shape.thickness or sizes.thickness
@@ -251,24 +243,24 @@ def _part(shape: ShapeSpec, sizes: Sizes, dimension: Dimension, where: str) -> S
                         raise missing_key(f"{name}.{key}", f"({key} > 0, m)")
                 made = _part(part, sizes._replace(width=None, height=None), dimension, name)
                 members.append(made.moved(part.at or (0.0,) * dimension))
-            return solids.union(members)
+            return shapes.union(members)
         if kind == "polygon":
-            flat = solids.polygon(shape.polygon, density, thickness)
-            return flat if dimension == 2 else solids.prism(flat, thickness)
+            flat = shapes.polygon(shape.polygon, density, thickness)
+            return flat if dimension == 2 else shapes.prism(flat, thickness)
         if kind == "regular":
             assert shape.regular is not None
             width = shape.width or sizes.width or 0.0
-            flat = solids.regular(shape.regular, width, density, thickness)
-            return flat if dimension == 2 else solids.prism(flat, thickness)
+            flat = shapes.regular(shape.regular, width, density, thickness)
+            return flat if dimension == 2 else shapes.prism(flat, thickness)
         if kind == "profile":
-            return solids.turned(shape.profile, shape.sides, density)
+            return shapes.turned(shape.profile, shape.sides, density)
         if kind == "cylinder":
             assert shape.cylinder is not None
             height = shape.height or sizes.height or 0.0
-            return solids.cylinder(shape.cylinder, height, shape.sides, density)
+            return shapes.cylinder(shape.cylinder, height, shape.sides, density)
         assert shape.file is not None
-        surface = solids.read_surface(shape.file, shape.scale)
-        return solids.of_surface(surface, density, shape.contact)
+        surface = read_surface(shape.file, shape.scale)
+        return shapes.of_surface(surface, density, shape.contact)
     except ValueError as error:
         said = str(error).removeprefix(f"{kind}: ").removeprefix("union: ")
         raise Statement(f"{where}.{kind}:", said) from None

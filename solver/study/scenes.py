@@ -68,16 +68,13 @@ def variant(
 
     Args:
         tables: Of the scene.
-        model: "rigid" or "elastic"; None: as it is. A restitution is of rigid blocks alone.
+        model: As of `with_model`.
         time: `[time]` in place of its own.
         keys: Of the block.
     """
-    made = deepcopy(tables)
+    made = with_model(tables, model)
     (block,) = made["block"]
-    block |= keys if model is None else keys | {"model": model}
-    if block.get("model") != "rigid":
-        block["restitution"] = None
-    made["block"] = [{key: value for key, value in block.items() if value is not None}]
+    made["block"] = [{key: value for key, value in (block | keys).items() if value is not None}]
     if time is not None:
         made["time"] = time
     return parse_scene(made)

@@ -9,7 +9,8 @@ A study is a subclass of `Study` in `solver/study/NAME/cases.py`:
   row: a mapping that JSON can hold, with "status" and "reason". Cases run in other processes;
 - `rounds()` is overridden where the cases of one round follow from the rows of the rounds before;
 - `keep(case, row)` is overridden where a row has parts that go into files of their own;
-- `write()` leaves tables and pictures of `completed` (or `ordered`) rows, and returns what is said.
+- `write()` leaves (`leave`) and draws (`draw`) what `completed` (or `ordered`) rows say, and
+  returns that in words.
 
 `solver/study/command.py` has the options of all studies and calls `Study.run(options)`, which does
 the rest, the same on any number of ranks: claims the folder, or refuses to write over another one;
@@ -32,18 +33,22 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, Self, TypeVa
 
 from solver import VERSION
 from solver.errors import NotConverged, SceneError
+from solver.excitation.layouts.text import number_in
 from solver.parallel import Comm, abort_on_exceptions, on_first_rank
 from solver.run.folders import REPORT, hold_folder, make_folder, unusable_is_refused
 from solver.run.streams import say
 from solver.scene.checking import nearest, shown
 from solver.scene.reader import differing
 from solver.study.pool import Named, finished_cases, reason_of
-from solver.study.tables import write
+from solver.study.tables import as_csv, column_names, write
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SETTINGS, CASES, SUMMARY = "settings.json", "cases", "summary.json"
+
+ENDINGS = ("csv", "txt", "md", "png")
+"""Endings of the files that have the name of a study."""
 
 HELD = "held"
 """Key of the settings for what a study that is resumed is compared with."""
@@ -68,7 +73,8 @@ class Study(ABC, Generic[Case]):
         kind: The name of its command, of its table, and the ending of its folder.
         noun: What it is, for errors.
         same: What a study that is resumed must have in common with the earlier one, in words.
-        files: Names or patterns of what it leaves besides the settings; `--force` removes these.
+        files: Names or patterns of what it leaves besides the settings, the summary, and files of
+            its own name; `--force` removes all of these.
         folders: Names of its folders besides that of the cases.
 
     Attributes:
@@ -83,7 +89,7 @@ class Study(ABC, Generic[Case]):
     kind: ClassVar[str]
     noun: ClassVar[str]
     same: ClassVar[str]
-    files: ClassVar[tuple[str, ...]]
+    files: ClassVar[tuple[str, ...]] = ()
     folders: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, options: argparse.Namespace):
@@ -126,6 +132,27 @@ class Study(ABC, Generic[Case]):
         return len(self.completed) == len(self.cases)
 
     # ------------------------------------------------------------ the same for all
+
+    def leave(
+        self,
+        table: Sequence[Mapping[str, Any]],
+        text: str,
+        summary: Mapping[str, Any],
+        *,
+        names: Sequence[str] | None = None,
+        digits: int | None = None,
+    ) -> None:
+        """Write what was found: the table, the text, and what is for programs.
+
+        The text is Markdown where it begins with a title. Columns and digits are as of `as_csv`; no
+        names: all columns there are, in the order of the row that has most of them.
+        """
+        if names is None:  # a case that failed has few
+            names = column_names(sorted(table, key=len, reverse=True))
+        ending = "md" if text.startswith("# ") else "txt"
+        write(self.folder / f"{self.kind}.csv", as_csv(table, names, digits))
+        write(self.folder / f"{self.kind}.{ending}", text)
+        write(self.folder / SUMMARY, summary)
 
     def draw(self, name: str, picture: Callable[..., Figure], *told: Any) -> None:
         """Draw a picture of what it is told, into a file of that name."""
@@ -220,7 +247,8 @@ class Study(ABC, Generic[Case]):
                 self.rows = finished(folder)
             else:
                 self._clear()
-            write(folder / SETTINGS, {**settings, HELD: held})
+            kept = {"command": options.repeated, **settings, HELD: held}
+            write(folder / SETTINGS, kept)
             (folder / CASES).mkdir(exist_ok=True)
         return self
 
@@ -231,7 +259,8 @@ class Study(ABC, Generic[Case]):
         if others and "version" not in read_mapping(self.folder / SETTINGS):
             got = f"{self.folder}, which holds {others[0].name}/, but no study"
             raise SceneError("-o", got, "another folder")
-        for pattern in (SETTINGS, REPORT, *self.files):
+        own = (f"{self.kind}.{ending}" for ending in ENDINGS)
+        for pattern in (SETTINGS, SUMMARY, REPORT, *own, *self.files):
             for file in self.folder.glob(pattern):
                 file.unlink()
         for folder in folders:
@@ -328,6 +357,24 @@ def by_name(option: str, words: Sequence[str], allowed: str) -> dict[str, list[s
         if not name or name in found or not all(values) or len(set(values)) < len(values):
             raise SceneError(option, shown(word), f"{allowed}, each name and value once")
         found[name] = values
+    return found
+
+
+def numbers_by_name(
+    option: str, words: Sequence[str], known: Sequence[str], allowed: str
+) -> dict[str, tuple[float, ...]]:
+    """The numbers that the words of an option give to each of the names that are known.
+
+    As `by_name`; SceneError where a name is not known, a value is no number, or one comes twice.
+    """
+    found: dict[str, tuple[float, ...]] = {}
+    for name, texts in by_name(option, words, allowed).items():
+        if name not in known:
+            raise SceneError(option, shown(name), ", ".join(known), nearest(name, known))
+        values = [number_in(text) for text in texts]
+        found[name] = tuple(value for value in values if value is not None)
+        if len(set(found[name])) < len(texts):
+            raise SceneError(option, shown(f"{name}={','.join(texts)}"), allowed)
     return found
 
 

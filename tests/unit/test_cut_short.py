@@ -68,7 +68,7 @@ def test_pages_and_tables_begin_with_it(tmp_path: Path) -> None:
     assert main(["run", str(tmp_path / "scene.toml"), *words]) == 0
     (tmp_path / "pictures").mkdir()
     page = run_page(read_run(tmp_path / "run"), tmp_path / "pictures", filmed=False)
-    assert f"The run {said}." in page.split("Summary")[0]
+    assert f"the run {said}" in page.split("<h2>")[0]
     words = ["-o", str(tmp_path / "horizon"), "-q", "-j", "1"]
     assert main(["study", "horizon", str(tmp_path / "scene.toml"), *words]) == 0
     text = (tmp_path / "horizon" / "horizon.txt").read_text()

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from geometry.foundation import face_frame
-from geometry.solid import Solid, cylinder, hull, polygon, prism, regular
+from geometry.shapes import cylinder, hull, polygon, prism, regular
+from geometry.solid import Solid
 from geometry.tags import FacetTag, tags_of_faces
 from rockslip import Scene, parse_scene
 from solver.errors import SceneError
 from solver.run.describe import describe
-from solver.scene import limits
 from solver.scene.cells import default_cell_size, simplices
 
 WEDGE = {"polygon": [[0.0, 0.0], [0.6, 0.0], [0.0, 0.9]]}
@@ -79,12 +79,12 @@ def test_sizes_by_default_have_some_cells_in_all_directions() -> None:
 
 def test_limits_take_the_bottom_and_the_shortest_edge() -> None:
     block = scene({"shape": WEDGE, "thickness": 0.5, "cell_size": 0.2}).blocks[0]
-    assert limits.bottom(block) == pytest.approx(0.3)
-    assert limits.corner_cell(block, 2) == [0.2, 0.2]
+    assert block.shape.bottom_area == pytest.approx(0.3)
+    assert block.mesh.corner_cell == (0.2, 0.2)
     drum = {"shape": {"regular": 50}, "width": 1.0, "cell_size": 0.2}
     edge = np.sin(np.pi / 50)
-    assert limits.corner_cell(scene(drum).blocks[0], 2) == pytest.approx([edge, edge])
-    assert limits.bottom(scene(drum).blocks[0]) == pytest.approx(edge)
+    assert scene(drum).blocks[0].mesh.corner_cell == pytest.approx([edge, edge])
+    assert scene(drum).blocks[0].shape.bottom_area == pytest.approx(edge)
 
 
 def test_faces_have_tags_of_their_own() -> None:

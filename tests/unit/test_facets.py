@@ -6,8 +6,8 @@ import basix
 import numpy as np
 import pytest
 from dolfinx import fem
+from refinement import cut_by, outlines
 
-from benchmarks.verification.refinement import cut_by, outlines
 from geometry.block import Block
 from geometry.foundation import Plate
 from geometry.gmsh_model import CELLS

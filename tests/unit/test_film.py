@@ -60,17 +60,17 @@ def test_forces_act_where_blocks_touch(tmp_path: Path) -> None:
     times = np.linspace(0, 2, 101)
     lower, upper = (block_frames(run, block, times) for block in run.scene.blocks)
     corner = upper.centres[0] + upper.frames[0] @ np.array([0.15, -0.5])
-    np.testing.assert_allclose(upper.foot[0], corner, atol=1e-6)
+    np.testing.assert_allclose(upper.push.place[0], corner, atol=1e-6)
     # it stands upright on both corners at the zero of its angle
     flat = int(np.argmin(np.abs(upper.frames[:, 0, 1])))
     middle = upper.centres[flat] - [0, 0.5]
-    np.testing.assert_allclose(upper.foot[flat], middle, atol=0.1)
-    np.testing.assert_allclose(upper.force[:, 1], 1.0, atol=1e-9)
+    np.testing.assert_allclose(upper.push.place[flat], middle, atol=0.1)
+    np.testing.assert_allclose(upper.push.force[:, 1], 1.0, atol=1e-9)
     # 31 weights for one step of 2 ms, and else the weight
-    struck = np.sum(lower.force[:, 1] - 1) * 0.02
+    struck = np.sum(lower.push.force[:, 1] - 1) * 0.02
     assert struck == pytest.approx(30 * 0.002, rel=1e-6)
-    assert lower.states[30] is State.SLIPS
-    assert set(upper.states) == {State.STICKS}
+    assert lower.push.states[30] is State.SLIPS
+    assert set(upper.push.states) == {State.STICKS}
 
 
 def test_the_way_of_the_ground(tmp_path: Path) -> None:

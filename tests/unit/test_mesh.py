@@ -9,7 +9,7 @@ import ufl
 from dolfinx import fem
 from dolfinx.mesh import exterior_facet_indices
 
-from geometry.arrangement import initial_position_in_space
+from geometry.arrangement import initial_position
 from geometry.block import Block
 from geometry.compat import geometry_nodes
 from geometry.foundation import Plate
@@ -180,7 +180,7 @@ def test_plate(cell):
 def test_moved():
     made = block_mesh(SHAPE, dimension=3, cells=(2, 2, 2), comm=COMM)
     before = coordinates(made)
-    pose = initial_position_in_space(SHAPE, (0.1, 0.2), 0.3, 0.5)
+    pose = initial_position(SHAPE, (0.1, 0.2), 0.3, 0.5)
     move(made.mesh, pose)
     np.testing.assert_allclose(coordinates(made), pose(before), atol=1e-15)
     x = ufl.SpatialCoordinate(made.mesh)

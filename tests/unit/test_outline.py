@@ -10,7 +10,7 @@ import pytest
 from histories import history_of, summary_of
 
 from geometry.outline import FARTHEST, HIGHEST, LYING, Limits, Outline, limits_towards
-from geometry.solid import regular
+from geometry.shapes import regular
 from rockslip import Scene, parse_scene
 from solver.results.rocking import no_return
 from solver.types import Array

@@ -56,9 +56,9 @@ LAMBDAS = [
 
 
 def test_bars_of_lambda_end_where_its_interval_does() -> None:
-    from solver.study.inertia.picture import curves_picture, of_lambda
+    from solver.study.inertia.picture import lambda_picture
 
-    (axes,) = curves_picture(LAMBDAS, of_lambda, "λ").axes
+    (axes,) = lambda_picture(LAMBDAS).axes
     assert bars(axes, 0) == pytest.approx([(0.15, 0.3), (0.58, 0.7)])
     assert bars(axes, 1) == pytest.approx([(0.1, 0.32), (0.5, 0.95)])
     np.testing.assert_allclose(axes.containers[0].lines[0].get_ydata(), [0.2, 0.6])

@@ -123,3 +123,11 @@ def test_slips_and_drifts_are_told_in_millimetres_with_their_sides() -> None:
     told = in_words({"residual_slip_m": -0.003, "residual_slip_second_m": 0.004}, drifts)
     assert "peak slip 20 mm, residual slip 5 mm" in told
     assert "peak drift along y 56.7 mm, residual drift along y 7.89 mm\n" in told
+
+
+def test_forces_of_a_platform_on_the_ground_are_told_in_kilonewtons() -> None:
+    drifts = {"peak_drift_m": 0.0123, "residual_drift_m": -0.0045}
+    forces = {"peak_base_shear_N": 12500.0, "peak_overturning_moment_Nm": 880.0}
+    told = in_words({"residual_slip_m": 0.0}, drifts | forces)
+    words = "residual drift -4.5 mm, peak base shear 12.5 kN, peak overturning moment 0.88 kN m\n"
+    assert words in told

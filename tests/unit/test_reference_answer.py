@@ -45,7 +45,7 @@ def test_free_rocking(tilt: float) -> None:
     history = answer.reference_history(asked)
     shape = asked.blocks[0].shape
     side = math.copysign(1.0, tilt)
-    centre = initial_position(shape, 0.1, math.radians(tilt))(np.array([[0.0, 0.5]]))[0]
+    centre = initial_position(shape, (0.1,), math.radians(tilt))(np.array([[0.0, 0.5]]))[0]
     assert history["block.centre_x_m"][0] == pytest.approx(centre[0])
     assert history["block.centre_y_m"][0] == pytest.approx(centre[1])
     lifted, pivot = ("left", "right") if tilt > 0 else ("right", "left")

@@ -20,7 +20,7 @@ import sys
 from solver.rigid.system import RigidSystem
 from solver.scene import parse_scene
 block = {"width": 0.25, "height": 1.0, "mass": 503.0, "model": "rigid", "tilt_deg": 3.0}
-system = RigidSystem.from_scene(parse_scene({"block": [block], "time": {"end": 1.0}}))
+system = RigidSystem(parse_scene({"block": [block], "time": {"end": 1.0}}))
 system.advance(250, 1e-3)
 heavy = {"dolfinx", "mpi4py", "petsc4py", "gmsh", "ufl"}
 print(sorted(heavy & set(sys.modules)))
@@ -47,13 +47,13 @@ def test_what_was_restored_goes_on_to_the_digit(dimension: int) -> None:
         {"name": "upper", **size, "on": "lower", "friction": 0.2},
     ]
     tables = {"dimension": dimension, "block": blocks, "time": {"end": 1.0}}
-    system = RigidSystem.from_scene(parse_scene(tables))
+    system = RigidSystem(parse_scene(tables))
     system.advance(100, 1e-3)
     saved = system.saved()
     first = system.advance(300, 1e-3)
     system.restore(saved)
     assert np.array_equal(system.advance(300, 1e-3).rows, first.rows)
-    other = RigidSystem.from_scene(parse_scene(tables))
+    other = RigidSystem(parse_scene(tables))
     other.restore(saved)
     parts = [other.advance(count, 1e-3).rows for count in (1, 99, 200)]
     others = [k for k, name in enumerate(system.columns) if name != "time_s"]  # of sums
@@ -62,7 +62,7 @@ def test_what_was_restored_goes_on_to_the_digit(dimension: int) -> None:
 
 def test_a_step_that_has_no_solution_keeps_the_rows_before_it() -> None:
     block = {"model": "rigid", "width": 0.25, "height": 1.0, "mass": 503.0}
-    system = RigidSystem.from_scene(parse_scene({"block": [block], "time": {"end": 1.0}}))
+    system = RigidSystem(parse_scene({"block": [block], "time": {"end": 1.0}}))
     ground = np.zeros((11, 2))
     ground[6, 0] = np.inf
     done = system.advance(10, 1e-3, ground)

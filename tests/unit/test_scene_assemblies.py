@@ -257,7 +257,8 @@ def test_the_law_of_any_two_bodies(found: Scene) -> None:
             frictions = [own[name][0] for name in (first, second)]
             smaller = frictions[frictions[1].static < frictions[0].static]
             expected = smaller, min(own[first][1], own[second][1])
-        table = next((pair for pair in found.pairs if pair.joins(first, second)), None)
+        both = {first, second}
+        table = next((pair for pair in found.pairs if set(pair.between) == both), None)
         if table is not None and table.friction is not None:
             expected = FrictionSpec.of(table.friction), expected[1]
         if table is not None and table.restitution is not None:

@@ -116,11 +116,11 @@ def test_forces_act_at_the_lowest_corner(name: str, runs: dict[str, Run]) -> Non
     run = runs[name]
     (block,) = run.scene.blocks
     found = block_frames(run, block, np.array([0.0, 0.02]))
-    np.testing.assert_allclose(found.foot[:, -1], 0, atol=2e-3)
+    np.testing.assert_allclose(found.push.place[:, -1], 0, atol=2e-3)
     placed = found.centres[0] + found.corners @ found.frames[0].T
     lowest = placed[placed[:, -1] < 1e-3]
     low, high = lowest.min(axis=0) - 1e-6, lowest.max(axis=0) + 1e-6
-    assert ((found.foot[0] >= low) & (found.foot[0] <= high)).all()
+    assert ((found.push.place[0] >= low) & (found.push.place[0] <= high)).all()
 
 
 def test_a_force_between_corners_is_below_the_centre() -> None:

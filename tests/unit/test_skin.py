@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from geometry.shapes import cylinder, polygon, prism, regular, turned, union
 from geometry.skin import Skin, faces_of, skin_of, skin_of_parts
-from geometry.solid import cylinder, polygon, prism, regular, turned, union
 from rockslip import parse_scene
 from solver.scene import Scene
 

@@ -14,12 +14,10 @@ from numpy.typing import NDArray
 
 from geometry.block import FACES, Block
 from geometry.convex import Convex, hull_of
-from geometry.solid import (
-    Solid,
-    Surface,
+from geometry.overlap import descent
+from geometry.shapes import (
     chord_error,
     cylinder,
-    descent,
     hull,
     of_surface,
     polygon,
@@ -28,6 +26,8 @@ from geometry.solid import (
     turned,
     union,
 )
+from geometry.solid import Solid
+from geometry.surface import Surface
 
 Array = NDArray[np.float64]
 

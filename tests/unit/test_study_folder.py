@@ -49,6 +49,7 @@ class Squares(Study[Square]):
 def options(tmp_path: Path, **others: Any) -> argparse.Namespace:
     said: dict[str, Any] = {"processes": 1, "output": tmp_path / "out", "quiet": False}
     said |= {"scene": tmp_path / "scene.toml", "force": False, "resume": False, "numbers": [2, 3]}
+    said["repeated"] = "rockslip study suite scene.toml"
     return argparse.Namespace(**said | others)
 
 

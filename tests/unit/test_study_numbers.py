@@ -24,6 +24,7 @@ from solver.study.inertia import cases as inertia
 from solver.study.inertia.cases import BlockCase, SlidingCase
 from solver.study.inertia.cells import Cell, Structure
 from solver.study.inertia.numbers import SLIDING, Curve, Finding, Line, Portion, grid, resampled
+from solver.study.inertia.numbers import differences as inertia_differences
 from solver.study.modes.numbers import maps_of
 from solver.study.overturning.boundaries import DIRECTLY, STAYS
 from solver.study.overturning.numbers import boundary_rows, differences
@@ -146,15 +147,13 @@ def test_a_root_is_followed_from_where_the_last_one_was() -> None:
 
 
 def test_the_largest_difference_from_the_sliding_block_is_told() -> None:
-    pytest.importorskip("matplotlib")
-    from solver.study.inertia.page import _difference
-
     found = [
         *(finding(mu, SLIDING, value) for mu, value in ((0.1, 0.5), (0.2, 0.6), (0.3, None))),
         *(finding(mu, "rigid blocks", v) for mu, v in ((0.1, 0.51), (0.2, 0.57), (0.3, 0.9))),
     ]
-    assert _difference(found) == "λ by rigid blocks is within 0.0300 of the sliding block."
-    assert _difference(found[:3]) == ""
+    told = ["λ by rigid blocks is within 0.0300 of the sliding block."]
+    assert inertia_differences(found) == told
+    assert inertia_differences(found[:3]) == []
 
 
 # --- horizon, modes, overturning, suite

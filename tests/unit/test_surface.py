@@ -6,9 +6,9 @@ import basix.ufl
 import numpy as np
 import pytest
 from dolfinx import fem, mesh
+from refinement import outlines
 
 from benchmarks.verification.disc_mesh import disc_mesh
-from benchmarks.verification.refinement import outlines
 from geometry.block import Block
 from geometry.foundation import Plate
 from geometry.gmsh_model import CELLS

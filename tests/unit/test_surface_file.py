@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from geometry.solid import Surface, of_surface, read_surface
-from geometry.surface import merged
+from geometry.shapes import of_surface
+from geometry.surface import Surface, merged
+from geometry.surface_file import read_surface
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]

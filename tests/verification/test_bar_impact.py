@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 from mpi4py import MPI
 
+import bar_impact
 import numpy as np
 import pytest
 
-from benchmarks.verification import bar_impact
 from benchmarks.verification.fixed_pair import FixedPair, faces_on
 from geometry.block import Block
 from geometry.mesh import block_mesh

@@ -47,7 +47,7 @@ def scene(dimension: int, model: str, **more: Any) -> Scene:
 
 def rigid_steps(case: Scene) -> Iterator[tuple[Array, Array, Array]]:
     """Of each step the base shear, the momentum that all masses gained, the mean of the ground."""
-    system: Any = RigidSystem.from_scene(case)
+    system: Any = RigidSystem(case)
     across = case.dimension - 1
     masses = [block.shape.mass for block in case.blocks]
 

@@ -25,7 +25,7 @@ def test_a_plastic_impact_conserves_momentum() -> None:
     size = {"model": "rigid", "width": 0.5, "height": 0.2}
     one = size | {"name": "one", "mass": 30.0, "velocity": [2.0, 0.0]}
     other = size | {"name": "other", "mass": 70.0, "offset": 0.6}
-    system = RigidSystem.from_scene(scene(2, one, other, end=0.2, friction=0.0))
+    system = RigidSystem(scene(2, one, other, end=0.2, friction=0.0))
     assert system.advance(200, 1e-3).failure is None
     for block in (0, 1):
         assert system.velocity(block) == pytest.approx([0.6, 0.0], abs=1e-12)
@@ -90,7 +90,7 @@ def momenta(system: RigidSystem) -> tuple[Array, Array]:
 def test_two_tumbling_boxes_keep_their_momenta(d: int, within: float, gravity: float) -> None:
     """Linear ones to 1e-12; falling, they get what gravity gives."""
     blocks = [{"model": "rigid"} | a | b for a, b in zip(TUMBLING, STARTS[d], strict=True)]
-    system = RigidSystem.from_scene(scene(d, *blocks, end=1.5, friction=0.4, gravity=gravity))
+    system = RigidSystem(scene(d, *blocks, end=1.5, friction=0.4, gravity=gravity))
     before, thrown = momenta(system), system.velocity(0)
     for _ in range(1500):
         assert system.advance(1, 1e-3).failure is None
@@ -217,7 +217,7 @@ def pounded(given: Scene, apart: float, dt: float = 1e-3) -> list[Array]:
 
     `apart`: the distance of the centres at the start, m, for 0.1 m of gap.
     """
-    system, motion = RigidSystem.from_scene(given), read_ground(given)
+    system, motion = RigidSystem(given), read_ground(given)
     rows = []
     for _ in range(round(given.time.end / dt)):
         places, velocities = ([f(k)[0] for k in (0, 1)] for f in (system.centre, system.velocity))

@@ -7,6 +7,7 @@ import pytest
 from benchmarks.error_runtime.study import study
 from rockslip import parse_scene
 from solver import cli
+from solver.scene import scene_to_toml
 
 pytestmark = pytest.mark.serial
 
@@ -34,6 +35,8 @@ SLIDING = {
     "damping": {"stiffness": 0.0},
     "time": {"end": 0.4, "step": 2e-3},
 }
+
+RIGID = {"width": 1.0, "height": 0.5, "mass": 1e3, "model": "rigid"}
 
 
 @pytest.fixture(scope="module")
@@ -103,6 +106,22 @@ def test_elastic_rocking_has_a_rigid_reference_for_the_first_impact_alone():
         assert sources[measure].startswith("limit of its own steps"), measure
         assert "meshes" in sources[measure]
         assert findings.references[measure].uncertainty > 0
+
+
+def test_the_answer_of_another_scene(tmp_path):
+    """Of a block that slides as far in the plane as aslant in space, which has no answer itself."""
+    plane = parse_scene(SLIDING | {"block": [RIGID]})
+    pulse = SLIDING["motion"] | {"amplitude_g": 0.3}
+    aslant = {"dimension": 3, "motion": pulse | {"second": pulse | {"amplitude_g": 0.4}}}
+    space = parse_scene(SLIDING | {"block": [RIGID | {"thickness": 1.0}]} | aslant)
+    for name, scene in (("plane", plane), ("space", space)):
+        (tmp_path / f"{name}.toml").write_text(scene_to_toml(scene))
+    words = ["study", "error-runtime", str(tmp_path / "space.toml"), "-o", str(tmp_path / "out")]
+    more = ["--rungs", "2", "--repeat", "1", "-q", "--measures", "peak_slip"]
+    assert cli.main([*words, *more, "--answer", str(tmp_path / "plane.toml")]) == 0
+    found = json.loads((tmp_path / "out" / "errors.json").read_text(encoding="utf-8"))
+    assert found["references"]["block.peak_slip_m"]["source"] == "rigid block, sliding"
+    assert found["runs"][-1]["error.block.peak_slip_m"] < 1e-3
 
 
 def test_a_block_at_rest_is_no_subject(tmp_path, capsys):

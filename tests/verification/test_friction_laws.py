@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from newmark import sliding_stop
 from scipy.integrate import solve_ivp
 
-from benchmarks.verification.newmark import sliding_stop
 from rockslip import Result, Scene, parse_scene, simulate
 from solver.build.assembly import build, initial_state
 from solver.law.friction import RATE

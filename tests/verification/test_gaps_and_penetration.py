@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 from rockslip import Scene, parse_scene, simulate
-from solver.rigid.system import RigidSystem, blocks_of
+from solver.rigid.system import RigidSystem
 
 Array = NDArray[np.float64]
 
@@ -48,9 +48,10 @@ def first_row(engine: str, depth: float, **upper: Any) -> dict[str, float]:
     given = scene(engine, **upper)
     down = np.zeros(given.dimension)
     down[-1] = depth
-    lower, upper_one = blocks_of(given)
-    upper_one = replace(upper_one, pose=replace(upper_one.pose, place=upper_one.pose.place - down))
-    system = RigidSystem.from_scene(given, [lower, upper_one])
+    poses, name = given.poses(), given.blocks[1].name
+    system = RigidSystem(
+        given, poses | {name: replace(poses[name], place=poses[name].place - down)}
+    )
     row = system.row(1e-3)
     return dict(zip(system.columns, row, strict=True))
 

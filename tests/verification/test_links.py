@@ -150,7 +150,7 @@ def test_undamped_springs_keep_their_energy_over_10000_periods() -> None:
     ]
     step = 2 * math.pi * math.sqrt(500.0 / 4e5) / 40
     given = scene(2, free, end=1.0, step=step, link=[link | {"stiffness": 2e5} for link in links])
-    system = RigidSystem.from_scene(given)
+    system = RigidSystem(given)
     at = [system.columns.index(f"energy.{name}_J") for name in ("total", "kinetic", "spring")]
     energies = np.concatenate([system.advance(10_000, step).rows[:, at] for _ in range(40)])
     assert np.ptp(energies[:, 0]) < 1e-8 * energies[:, 1].max()
@@ -323,7 +323,7 @@ def test_a_link_to_a_platform_keeps_the_balance_of_momentum(d: int) -> None:
         link=[link | {"stiffness": 1e5, "damping": 1e2} for link in links],
         force=[{"on": "tall", "force": in_space(d, [700.0, 300.0]), "ramp": [0.1, 0.6]}],
     )
-    system, ground = RigidSystem.from_scene(given), read_ground(given)
+    system, ground = RigidSystem(given), read_ground(given)
     shear = system.columns.index("foundation.base_shear_N")
     masses = [block.shape.mass for block in given.blocks]
 

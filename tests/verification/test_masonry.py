@@ -89,7 +89,7 @@ def steepest(tables: dict[str, Any], friction: float) -> float:
 
 def moved(tables: dict[str, Any], slope: float, end: float = 0.5) -> float:
     """How far a wall on an incline moves from rest, m."""
-    system = RigidSystem.from_scene(parse_scene(tables | {"gravity_tilt_deg": slope}))
+    system = RigidSystem(parse_scene(tables | {"gravity_tilt_deg": slope}))
     places = [system.centre(k) for k in range(len(system.names))]
     done = system.advance(round(end / 1e-3), 1e-3)
     assert done.failure is None

@@ -15,10 +15,10 @@ import ufl
 from dolfinx import fem
 from dolfinx.mesh import compute_midpoints
 from loads import surface_force
+from refinement import cut_by, outlines
 
 from benchmarks.verification.fixed_pair import FixedPair, faces_on
 from benchmarks.verification.load_steps import contact_tractions, nodal_pressure
-from benchmarks.verification.refinement import cut_by, outlines
 from geometry.block import Block
 from geometry.foundation import Plate
 from geometry.mesh import block_mesh, move, plate_mesh

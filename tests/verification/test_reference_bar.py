@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-
-from benchmarks.verification.bar_impact import (
+from bar_impact import (
     ENERGY,
     PERIOD,
     contact_stress,

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from newmark import incline_distance, sliding_block, sliding_stop
 from scipy.integrate import solve_ivp
 
-from benchmarks.verification.newmark import incline_distance, sliding_block, sliding_stop
 from solver.excitation.sampled import SampledMotion
 from solver.reference.sliding import Resistance, SlidingReference, coulomb, sliding
 from solver.scene import FrictionSpec

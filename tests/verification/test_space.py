@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from geometry.arrangement import initial_position_in_space
+from geometry.arrangement import initial_position
 from rockslip import BlockSpec, Result, Scene, parse_scene, simulate
 from solver.excitation.kinds import base_motion
 from solver.reference.sliding import sliding
@@ -67,7 +67,7 @@ def on_a_corner(spec: BlockSpec, gravity: float, end: float) -> tuple[Any, Array
         arm from the corner to the centre, in the body; where the corner is; the time of impact.
     """
     size, mass = np.array([spec.width, spec.thickness, spec.height]), spec.shape.mass
-    pose = initial_position_in_space(spec.shape, (0.0, 0.0), spec.tilt, spec.tilt_direction)
+    pose = initial_position(spec.shape, (0.0, 0.0), spec.tilt, spec.tilt_direction)
     arm = np.array([0.0, 0.0, size[2] / 2]) - pose.about
     about_centre = np.diag(mass / 12 * (size @ size - size**2))
     inertia = about_centre + mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))

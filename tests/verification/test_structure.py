@@ -150,7 +150,7 @@ def test_base_shear_balances_all_masses_in_each_step(
 
 
 def steps(case: Scene, count: int) -> Any:
-    """Rows of steps: base shear by the column and by masses, its parts at the feet, both upwards,
+    """Rows of steps: base shear by forces on the ground, by masses, and at the feet, both upwards,
     overturning moment by the column and by those of the feet.
     """
     assembly = build(case)
@@ -169,10 +169,11 @@ def steps(case: Scene, count: int) -> Any:
         inertia = system.directional_mass @ (new.v - state.v) / span
         inertia += mass * stepper.mean_base(state.time, span)
         row = np.full(100, np.nan)
-        observer.write(new, exchange, row)
+        forces = exchange.ground or stepper.ground_forces(new)
+        observer.write(new, forces, row)
         shear, axial = row[feet + column.shear_N], row[feet + column.axial_force_N]
         arms = places @ axial + row[feet + column.moment_Nm].sum()
-        ours = row[at.base_shear_N], -inertia[0], shear.sum(), axial.sum()
+        ours = -forces.total[0], -inertia[0], shear.sum(), axial.sum()
         found.append((*ours, inertia[1] + mass * G, row[at.overturning_moment_Nm], arms))
         state = new
     return np.array(found)

@@ -13,7 +13,6 @@ from mpi4py import MPI
 import numpy as np
 
 from solver.errors import SceneError, Statement, not_applicable
-from solver.excitation.layouts.text import number_in
 from solver.reference.housner import housner
 from solver.results.endings import cut_short
 from solver.results.motion import block_motion
@@ -21,7 +20,7 @@ from solver.run.simulate import simulate
 from solver.scene import BlockSpec, Scene, parse_scene
 from solver.scene.checking import nearest, shown, to_table
 from solver.scene.damping import DEFAULT_RATIO, stiffness_damping
-from solver.study.study import Row, by_name, digest
+from solver.study.study import Row, digest, numbers_by_name
 from solver.types import Array
 
 Tables = dict[str, Any]
@@ -292,10 +291,8 @@ AXES = {
 """All of them by name, in the order in which they are listed."""
 
 
-def axis_called(name: str, option: str = "--of") -> Axis:
-    """The axis of a name of the command line."""
-    if name not in AXES:
-        raise SceneError(option, shown(name), ", ".join(AXES), nearest(name, AXES))
+def axis_called(name: str) -> Axis:
+    """The axis of that name."""
     return AXES[name]
 
 
@@ -467,23 +464,6 @@ class Sweep:
     left_out: tuple[str, ...]
 
 
-def chosen_axes(words: Sequence[str], option: str) -> dict[str, tuple[float, ...]]:
-    """Axes and values of a command line; an empty tuple stands for the default values.
-
-    Args:
-        words: Such as `beta=0,1e-5` or `tolerance`.
-        option: What they were given to, for errors.
-    """
-    found: dict[str, tuple[float, ...]] = {}
-    for name, texts in by_name(option, words, ALLOWED).items():
-        axis_called(name, option)
-        numbers = [number_in(text) for text in texts]
-        found[name] = tuple(number for number in numbers if number is not None)
-        if len(set(found[name])) < len(texts):
-            raise SceneError(option, shown(f"{name}={','.join(texts)}"), ALLOWED)
-    return found
-
-
 def sweep(base: BaseScene, of: Sequence[str], at: Sequence[str]) -> Sweep:
     """The sweeps of a command line.
 
@@ -492,8 +472,8 @@ def sweep(base: BaseScene, of: Sequence[str], at: Sequence[str]) -> Sweep:
         of: Axes and values; none: all axes with their default values.
         at: One axis with the values for which all is repeated.
     """
-    axes = chosen_axes(of, "--of") or dict.fromkeys(AXES, ())
-    repeated = chosen_axes(at, "--at")
+    axes = numbers_by_name("--of", of, tuple(AXES), ALLOWED) or dict.fromkeys(AXES, ())
+    repeated = numbers_by_name("--at", at, tuple(AXES), ALLOWED)
     if len(repeated) > 1 or repeated.keys() & axes.keys():
         raise SceneError("--at", shown(" ".join(at)), "one axis that is not swept itself")
     others: list[tuple[Axis, float] | None] = [None]

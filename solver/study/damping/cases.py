@@ -14,10 +14,10 @@ from solver.run.streams import say
 from solver.scene import parse_scene
 from solver.study.damping import numbers
 from solver.study.damping.axes import (
+    ALLOWED,
     AXES,
     BaseScene,
     DampingCase,
-    chosen_axes,
     sweep,
     time_for,
     watched,
@@ -25,7 +25,7 @@ from solver.study.damping.axes import (
 from solver.study.damping.calibration import Search, Trial, target_of
 from solver.study.damping.numbers import Restitution, restitution_of
 from solver.study.scenes import scene_tables
-from solver.study.study import CASES, SUMMARY, Row, Study
+from solver.study.study import CASES, SUMMARY, Row, Study, numbers_by_name
 from solver.study.tables import as_csv, column_names, early_ends, write
 from solver.types import Array
 
@@ -47,11 +47,7 @@ class _Impacts(Study[DampingCase]):
 
     kind, noun = "damping", "study of damping"
     same = "the same scene and block"
-    files = (
-        *("damping.csv", "damping.md", "damping*.png", "histories_*.png"),
-        *("calibration.csv", "calibration.md", "calibration.png", "calibrated.toml"),
-        SUMMARY,
-    )
+    files = ("damping*.png", "histories_*.png", "calibration.*", "calibrated.toml")
 
     def __init__(self, options: argparse.Namespace):
         """Read the scene, and find the block whose impacts count."""
@@ -112,17 +108,14 @@ class SweepStudy(_Impacts):
         cells = numbers.words(whole, swept, impacts)
         told = list(numbers.remarks(whole, swept, found))
         title = self.base.scene.title or "Restitution of impacts"
-        names = column_names(sorted(whole, key=len, reverse=True))
-        write(self.folder / "damping.csv", as_csv(whole, names, digits=8))
         page = numbers.markdown(title, cells, told, early_ends(whole))
-        write(self.folder / "damping.md", page)
         summary = {
             "block": self.base.block.name,
             "impacts": impacts,
             "scene": None if own is None else numbers.measures(own),
             "lines": [numbers.as_json(line) for line in found],
         }
-        write(self.folder / SUMMARY, summary)
+        self.leave(whole, page, summary, digits=8)
         self._draw([line for line in found if line.values], own)
         return numbers.plain_text(cells, told, early_ends(whole))
 
@@ -164,7 +157,9 @@ class Calibration(_Impacts):
         if options.at:
             raise SceneError("--at", " ".join(options.at), "nothing with --target")
         able = [axis.name for axis in AXES.values() if axis.bounds is not None]
-        (name, values), *others = chosen_axes(options.of or able[:1], "--of").items()
+        (name, values), *others = numbers_by_name(
+            "--of", options.of or able[:1], tuple(AXES), ALLOWED
+        ).items()
         axis = AXES[name]
         if others or axis.bounds is None:
             allowed = f"{' or '.join(able)} with --target"

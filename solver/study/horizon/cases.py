@@ -19,8 +19,7 @@ from solver.run.twin import difference, horizon, refuse_without_twin, twin_of
 from solver.scene import Scene, parse_scene
 from solver.study.horizon.numbers import NAMES, as_text, growth, twin_rows
 from solver.study.scenes import scene_tables, with_model
-from solver.study.study import SUMMARY, Row, Study, numbers, words
-from solver.study.tables import as_csv, write
+from solver.study.study import Row, Study, numbers, words
 
 ENGINES = ("rigid", "elastic")
 
@@ -100,7 +99,6 @@ class HorizonStudy(Study[HorizonCase]):
 
     kind, noun = "horizon", "study of horizons"
     same = "the same scene, motion and differences"
-    files = ("horizon.csv", "horizon.txt", SUMMARY, "horizon.png")
 
     def __init__(self, options: argparse.Namespace):
         """Read the command line, and refuse what has no twin."""
@@ -140,8 +138,6 @@ class HorizonStudy(Study[HorizonCase]):
             {"growth_1_s": growth(row), "scale": row["scale"], "engine": row["engine"]}
             for row in done
         ]
-        write(self.folder / "horizon.csv", as_csv(twins, NAMES))
-        write(self.folder / "horizon.txt", text)
-        write(self.folder / SUMMARY, {"twins": twins, "runs": rates})
+        self.leave(twins, text, {"twins": twins, "runs": rates}, names=NAMES)
         self.draw("horizon.png", horizon_picture, done)
         return text

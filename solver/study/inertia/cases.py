@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import math
-import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -17,15 +16,24 @@ import numpy as np
 from solver.errors import NotConverged, SceneError
 from solver.excitation.sampled import SampledMotion
 from solver.run.simulate import simulate
-from solver.scene import parse_scene, scene_to_toml
+from solver.scene import parse_scene
 from solver.study.inertia.cells import Cell, Structure, cells_of, chosen, ladder, tables_of
-from solver.study.inertia.numbers import Finding, Line, csv_text, entry_of, grid, markdown, widest
+from solver.study.inertia.numbers import (
+    Finding,
+    Line,
+    differences,
+    entry_of,
+    grid,
+    markdown,
+    row_of,
+    widest,
+)
 from solver.study.inertia.sliding import STEPS, fixed_drifts, jumps, peaks
 from solver.study.scenes import Tables, refuse_components, refuse_joined, scene_tables
-from solver.study.study import SUMMARY, Row, Study, digest
+from solver.study.study import Row, Study, digest
 from solver.study.suite.cases import SuiteCase, scene_of
 from solver.study.suite.motions import SuiteMotion, find_motions
-from solver.study.tables import write
+from solver.study.tables import column_names, groups
 
 COUNT = 300
 """Default number of synthetic motions."""
@@ -178,7 +186,7 @@ class InertiaStudy(Study[SlidingCase | BlockCase]):
     """
 
     kind, noun, same = "inertia", "study of inertia", "the same scene"
-    files = ("inertia.csv", "inertia.md", "inertia.html", SUMMARY, "*.png")
+    files = ("*.png",)
 
     def __init__(self, options: argparse.Namespace):
         """Read the command line, and refuse cells that no way can compute."""
@@ -276,9 +284,7 @@ class InertiaStudy(Study[SlidingCase | BlockCase]):
         return found
 
     def write(self) -> str:
-        """Write tables, pictures and page once all sliding blocks are known."""
-        from solver.study.inertia.page import draw_pictures, inertia_page
-
+        """Write tables and pictures once all sliding blocks are known."""
         lines = self.lines()
         if not lines:
             return ""
@@ -291,7 +297,7 @@ class InertiaStudy(Study[SlidingCase | BlockCase]):
         failures = [f"{name}: {reason}" for name, reason in sorted(failed.items())]
         title = self.scene.title or self.options.scene.stem
         title = f"Portion of the live load that counts as inertia: {title}"
-        text = markdown(title, findings, failures, self.notes)
+        text = markdown(title, findings, failures, [*differences(findings), *self.notes])
         summary = {
             "motions": findings[0].motions,
             "notes": self.notes,
@@ -299,29 +305,28 @@ class InertiaStudy(Study[SlidingCase | BlockCase]):
             "cells": [entry_of(finding) for finding in findings],
             "failed": dict(sorted(failed.items())),
         }
-        write(self.folder / "inertia.csv", csv_text(findings))
-        write(self.folder / "inertia.md", text)
-        write(self.folder / SUMMARY, summary)
-        page = inertia_page(
-            findings,
-            draw_pictures(self.folder, list(lines.values()), findings),
-            failures,
-            title=title,
-            scene=scene_to_toml(self.scene),
-            command=command_of(self.options),
-        )
-        write(self.folder / "inertia.html", page)
+        table = [row_of(finding) for finding in findings]
+        self.leave(table, text, summary, names=column_names(table), digits=10)
+        self._draw(list(lines.values()), findings)
         return text
 
+    def _draw(self, lines: Sequence[Line], findings: Sequence[Finding]) -> None:
+        """Draw the pictures; a set for each combination of the axes before the last two."""
+        from solver.study.inertia.picture import (
+            lambda_picture,
+            map_picture,
+            roots_picture,
+            shear_picture,
+        )
 
-def command_of(options: argparse.Namespace) -> str:
-    """The command that repeats a study, without what only says how and where it is run."""
-    words = ["rockslip", "study", "inertia", options.scene.name]
-    lists = {"--set": options.overrides, "--of": options.of, "--by": options.by}
-    lists["--motions"] = options.motions
-    for name, several in lists.items():
-        words += [name, *several] if several else []
-    for name in ("count", "seed", "within"):
-        value = getattr(options, name)
-        words += [f"--{name}", f"{value:g}"] if value is not None else []
-    return shlex.join(words)
+        for old in self.folder.glob("*.png"):
+            old.unlink()
+        maps = groups(findings, lambda finding: finding.cell.values[:-2])
+        for number, group in enumerate(maps.values(), start=1):
+            ending = f"_{number}" if len(maps) > 1 else ""
+            self.draw(f"lambda{ending}.png", lambda_picture, group)
+            self.draw(f"base_shear{ending}.png", shear_picture, group)
+            mapped = [finding for finding in group if len(finding.cell.values) > 1]
+            for by, own in groups(mapped, lambda finding: finding.by).items():
+                self.draw(f"map{ending}_{by.replace(' ', '_')}.png", map_picture, own)
+        self.draw("roots.png", roots_picture, lines, findings)

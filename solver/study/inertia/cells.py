@@ -5,16 +5,15 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from copy import deepcopy
 from dataclasses import dataclass, replace
 from typing import Any
 
 from solver.errors import SceneError, Statement
-from solver.excitation.layouts.text import number_in
 from solver.scene import BlockSpec, Platform, Scene, parse_scene
-from solver.scene.checking import nearest, shown
+from solver.scene.checking import shown
 from solver.scene.time import rounded_down
-from solver.study.study import by_name
+from solver.study.scenes import with_model
+from solver.study.study import numbers_by_name
 
 AXES = {
     "period": "period T of the empty structure (s)",
@@ -85,13 +84,11 @@ class Cell:
 
 def chosen(words: Sequence[str]) -> dict[str, tuple[float, ...]]:
     """Axes and values of a command line."""
-    found: dict[str, tuple[float, ...]] = {}
-    for name, texts in by_name("--of", words or DEFAULT, ALLOWED).items():
-        if name not in AXES:
-            raise SceneError("--of", shown(name), ALLOWED, nearest(name, list(AXES)))
-        values = {number_in(text) or 0.0 for text in texts}
-        if not values or len(values) < len(texts) or not all(value > 0 for value in values):
-            raise SceneError(f"--of {name}", shown(",".join(texts)), "positive numbers, each once")
+    found = numbers_by_name("--of", words or DEFAULT, tuple(AXES), ALLOWED)
+    for name, values in found.items():
+        if not values or not all(value > 0 for value in values):
+            got = ",".join(f"{value:g}" for value in values)
+            raise SceneError(f"--of {name}", shown(got), "positive numbers, each once")
         found[name] = tuple(sorted(values))
     if {"friction", "friction_over_pga"} <= found.keys():
         raise SceneError("--of", "friction and friction_over_pga", "one of them")
@@ -171,7 +168,7 @@ def step_of(blocks: Iterable[BlockSpec], structure: Structure) -> float:
 
 def tables_of(tables: Mapping[str, Any], cell: Cell, model: str) -> dict[str, Any]:
     """The scene of a cell as plain tables; `model`: of all blocks."""
-    made, structure = deepcopy(dict(tables)), cell.structure
+    made, structure = with_model(tables, model), cell.structure
     blocks = parse_scene(dict(tables)).blocks
     made["foundation"] = {
         "kind": "oscillator",
@@ -182,7 +179,6 @@ def tables_of(tables: Mapping[str, Any], cell: Cell, model: str) -> dict[str, An
     law = {"static": cell.friction, "dynamic": structure.dynamic * cell.friction}
     made.setdefault("contact", {})["friction"] = law
     for block, spec in zip(made["block"], blocks, strict=True):
-        block["model"] = model
         if spec.carrier == "foundation":
             block.pop("friction", None)
         if cell.aspect is not None:

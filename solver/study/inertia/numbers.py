@@ -15,7 +15,7 @@ from typing import Any, Self
 import numpy as np
 
 from solver.study.inertia.cells import Cell, Structure
-from solver.study.tables import as_csv, column_names, in_markdown
+from solver.study.tables import in_markdown
 from solver.types import Array
 
 LEAST, MOST, SPACING = -0.5, 1.5, 0.01
@@ -365,12 +365,6 @@ HEADING = (
 """Words above the columns that follow those of the axes."""
 
 
-def csv_text(findings: Sequence[Finding]) -> str:
-    """All numbers, with ten digits."""
-    rows = [row_of(finding) for finding in findings]
-    return as_csv(rows, column_names(rows), digits=10)
-
-
 def words(findings: Sequence[Finding]) -> list[list[str]]:
     """The most important numbers as words, row by row; the first row is the heading."""
     axes = [name for name, _ in findings[0].cell.values]
@@ -408,6 +402,17 @@ def interval(portion: Portion) -> str:
     return f"{number(portion.low)} to {number(portion.high)}"
 
 
+def differences(findings: Sequence[Finding]) -> list[str]:
+    """Largest distance of each engine from the sliding block, in words."""
+    closed = {f.cell: f.arithmetic.value for f in findings if f.by == SLIDING}
+    largest: dict[str, float] = {}
+    for finding in (finding for finding in findings if finding.by != SLIDING):
+        value, other = finding.arithmetic.value, closed[finding.cell]
+        if value is not None and other is not None:
+            largest[finding.by] = max(largest.get(finding.by, 0.0), abs(value - other))
+    return [f"λ by {by} is within {d:.4f} of the sliding block." for by, d in largest.items()]
+
+
 def markdown(
     title: str, findings: Sequence[Finding], failed: Sequence[str], notes: Sequence[str]
 ) -> str:
@@ -417,34 +422,3 @@ def markdown(
     lines += ["", *(f"- failed: {name}" for name in failed)] if failed else []
     lines += ["", *(f"- {note}" for note in notes)]
     return "\n".join(lines) + "\n"
-
-
-# ---------------------------------------------------------------- codes of practice
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class CodeValue:
-    """A portion of the live load that a code counts."""
-
-    portion: float
-    name: str
-    """In pictures."""
-    source: str
-    """Clause of the code."""
-
-
-CODE_VALUES = (
-    CodeValue(
-        portion=0.25,
-        name="storage live load",
-        source="ASCE/SEI 7-22, 12.7.2, item 1 (7-10 and 7-16 alike): effective seismic weight "
-        "includes at least 25 % of the floor live load in areas used for storage",
-    ),
-    CodeValue(
-        portion=0.67,
-        name="storage racks",
-        source="ASCE/SEI 7-16, 15.5.3 (steel storage racks, loaded to 67 % of the rated load), and "
-        "ANSI MH16.1 of the Rack Manufacturers Institute, 2.6.2 (0.67 of the product load); "
-        "FEMA 460 (2005), chapter 4, reviews both",
-    ),
-)

@@ -17,7 +17,7 @@ from solver.pictures.style import (
     zero_line,
 )
 from solver.study.inertia.cells import AXES
-from solver.study.inertia.numbers import CODE_VALUES, SLIDING, Finding, Line, number
+from solver.study.inertia.numbers import SLIDING, Finding, Line, number
 
 MOST_LINES = 6
 """Structures whose curves of drift are drawn."""
@@ -31,8 +31,25 @@ NAMES = {"period": "T =", "friction": "μ =", "friction_over_pga": "μ g/PGA =",
 
 UNITS = {"period": " s"}
 
+CODE_VALUES = {0.25: "storage live load", 0.67: "storage racks"}
+"""Portions of the live load that codes count; docs/inertia.md has their clauses."""
+
 Value = Callable[[Finding], tuple[float, float, float] | None]
 """A value of a cell and the ends of its interval; None: there is none."""
+
+
+def lambda_picture(findings: Sequence[Finding]) -> Figure:
+    """Lambda against the last axis, with the values of codes."""
+    figure = curves_picture(findings, of_lambda, "portion of live load λ")
+    (axes,) = figure.axes
+    _code_lines(axes)
+    zero_line(axes)
+    return figure
+
+
+def shear_picture(findings: Sequence[Finding]) -> Figure:
+    """Base shear against the last axis."""
+    return curves_picture(findings, of_shear, "base shear / that of the fixed live load")
 
 
 def of_lambda(finding: Finding) -> tuple[float, float, float] | None:
@@ -50,32 +67,35 @@ def of_shear(finding: Finding) -> tuple[float, float, float] | None:
 
 
 def curves_picture(findings: Sequence[Finding], value: Value, label: str) -> Figure:
-    """A value against the last axis, a curve for each value of the first."""
+    """A value against the last axis, a curve for each value of the one before."""
     figure = new_figure(3.8)
     axes = figure.subplots()
-    names = [name for name, _ in findings[0].cell.values]
+    axes.set_title(_others(findings[0]), loc="left")
+    names = [name for name, _ in findings[0].cell.values[-2:]]
     first = names[0] if len(names) > 1 else None
-    heights = dict.fromkeys(f.cell.values[0][1] if first else None for f in findings)
+    heights = dict.fromkeys(f.cell.values[-2][1] if first else None for f in findings)
     for place, height in enumerate(heights):
         for by in dict.fromkeys(f.by for f in findings):
             chosen = [
                 f
                 for f in findings
-                if f.by == by and (height is None or f.cell.values[0][1] == height)
+                if f.by == by and (height is None or f.cell.values[-2][1] == height)
             ]
             word = f"{NAMES[first]} {height:g}{UNITS.get(first, '')}" if first else by
             beside = place - (len(heights) - 1) / 2
             named = by == SLIDING or height is None
             _curve(axes, chosen, value, colour(place), beside, word if named else None)
-    if value is of_lambda:
-        _code_lines(axes)
-        zero_line(axes)
     axes.set(xlabel=AXES[names[-1]], ylabel=label)
     if any(f.by != SLIDING for f in findings):
         others = " and ".join(dict.fromkeys(f.by for f in findings if f.by != SLIDING))
         axes.plot([], [], "o", markerfacecolor="none", color=GREY, label=others)
     legend_above(figure, columns=4)
     return figure
+
+
+def _others(finding: Finding) -> str:
+    """The values of the axes before the last two in words."""
+    return ", ".join(f"{NAMES[n]} {v:g}{UNITS.get(n, '')}" for n, v in finding.cell.values[:-2])
 
 
 def _curve(
@@ -108,17 +128,17 @@ def _curve(
 
 def _code_lines(axes: Axes) -> None:
     """The values of codes, named at the right."""
-    for value in CODE_VALUES:
-        axes.axhline(value.portion, color=GREY, linewidth=0.8, linestyle=DASHES, zorder=1)
+    for portion, name in CODE_VALUES.items():
+        axes.axhline(portion, color=GREY, linewidth=0.8, linestyle=DASHES, zorder=1)
         axes.annotate(
-            f"{value.portion:g} {value.name}", (1.0, value.portion),
+            f"{portion:g} {name}", (1.0, portion),
             xycoords=("axes fraction", "data"), xytext=(0, 2), textcoords="offset points",
             ha="right", va="bottom", fontsize="small", color=GREY,
         )  # fmt: skip
 
 
 def map_picture(findings: Sequence[Finding]) -> Figure:
-    """A map of lambda with a number in each cell."""
+    """A map of lambda by one way, with a number and half its interval in each cell."""
     across, up = (name for name, _ in findings[0].cell.values[-2:])
     columns = sorted({f.cell.values[-2][1] for f in findings})
     rows = sorted({f.cell.values[-1][1] for f in findings})
@@ -137,6 +157,7 @@ def map_picture(findings: Sequence[Finding]) -> Figure:
     axes.set_xticks(range(len(columns)), [f"{value:g}" for value in columns])
     axes.set_yticks(range(len(rows)), [f"{value:g}" for value in rows])
     axes.grid(visible=False)
+    axes.set_title(", ".join(filter(None, (findings[0].by, _others(findings[0])))), loc="left")
     axes.set(xlabel=AXES[across], ylabel=AXES[up])
     figure.colorbar(image, ax=axes, label="λ", fraction=0.05, pad=0.02)
     return figure
@@ -169,5 +190,6 @@ def roots_picture(lines: Sequence[Line], findings: Sequence[Finding]) -> Figure:
         xlabel="portion of the live load that is fixed, λ", ylabel="mean drift / that of λ = 1"
     )
     axes.set_ylim(0, None)
+    axes.set_title("dots: roots reported, rings: further roots", loc="left")
     legend_above(figure, columns=3)
     return figure

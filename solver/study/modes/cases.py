@@ -21,8 +21,7 @@ from solver.run.simulate import simulate
 from solver.scene import Scene
 from solver.study.modes.numbers import BAND, NAMES, as_text, maps_of, points_of
 from solver.study.scenes import Tables, is_elastic, refuse_uneven, standing_block, variant
-from solver.study.study import SUMMARY, Row, Study, numbers, words
-from solver.study.tables import as_csv, write
+from solver.study.study import Row, Study, numbers, words
 from solver.types import Array
 
 ENGINES = ("rigid", "elastic")
@@ -87,7 +86,7 @@ def unit(scene: Scene) -> float:
 
 def sudden_onset(scene: Scene, acceleration: float) -> Onset:
     """Onset of a rigid block under a sudden acceleration of its base, A = a_g/g."""
-    system = RigidSystem.from_scene(scene)
+    system = RigidSystem(scene)
     name, columns = system.names[0], system.columns
     ground = np.zeros((SUDDEN_STEPS + 1, 2))
     ground[:, 0] = acceleration * scene.gravity
@@ -248,7 +247,6 @@ class ModesStudy(Study[ModesCase]):
 
     kind, noun = "modes", "study of modes"
     same = "the same scene and number of points"
-    files = ("modes.csv", "modes.txt", SUMMARY, "modes.png")
 
     def __init__(self, options: argparse.Namespace):
         """Read the command line."""
@@ -279,8 +277,6 @@ class ModesStudy(Study[ModesCase]):
             return ""
         maps = maps_of(points)
         text = as_text(maps)
-        write(self.folder / "modes.csv", as_csv(points, NAMES))
-        write(self.folder / "modes.txt", text)
-        write(self.folder / SUMMARY, {"band": BAND, "maps": maps})
+        self.leave(points, text, {"band": BAND, "maps": maps}, names=NAMES)
         self.draw("modes.png", modes_picture, points)
         return text

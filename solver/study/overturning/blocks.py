@@ -22,7 +22,7 @@ from solver.rigid.system import RigidSystem
 from solver.run.simulate import simulate
 from solver.scene import Scene
 from solver.scene.motion import G_UNIT, HalfSineSpec, OneSineSpec, RickerSpec
-from solver.study.overturning.boundaries import DIRECTLY, LATER, STAYS, Response
+from solver.study.overturning.boundaries import STAYS, Response, fate_of
 from solver.study.scenes import Tables, variant
 from solver.types import Array
 
@@ -180,7 +180,7 @@ class RigidUnderPulses:
         self._ground, self._mean = np.zeros((len(times), 2)), np.zeros((len(times) - 1, 2))
         self._ground[:, 0] = unit.accelerations(times)
         self._mean[:, 0] = np.diff(unit.velocities(times)) / self._step
-        self._system = RigidSystem.from_scene(scene)
+        self._system = RigidSystem(scene)
         self._start = self._system.saved()
         names, own = self._system.columns, f"{self._system.names[0]}."
         self._angle = names.index(own + "angle_rad")
@@ -239,33 +239,19 @@ ODE_LATEST = 25.0
 """Time after the pulse up to which the equation is solved, times p."""
 
 
-class HousnerUnderPulses:
-    """Housner's block under pulses of one kind and frequency, whatever their amplitude."""
-
-    def __init__(self, scene: Scene, kind: PulseKind, frequency: float):
-        """Set up a scene with one rigid block for a frequency omega over p."""
-        self._scene, self._upright, self._kind = scene, Upright.of(scene), kind
-        self._omega = frequency * self._upright.frequency
-
-    def __call__(self, amplitude: float) -> Response:
-        """Response to a pulse of an amplitude over g tan alpha."""
-        pulse = self._kind.motion(amplitude * self._upright.unit, self._omega)
-        block, p = self._scene.blocks[0], self._upright.frequency
-        found = housner(
-            block.shape,
-            gravity=self._scene.gravity,
-            end=pulse.stop + ODE_LATEST / p,
-            step=pulse.stop / ODE_STEPS,
-            acceleration=pulse.acceleration,
-            restitution=self._upright.given or None,
-        )
-        after = int(np.searchsorted(found.time, pulse.stop))
-        angle, spin = float(found.angle[after]), float(found.angular_velocity[after])
-        lean = self._upright.slenderness(angle) - abs(angle)
-        swing = math.cos(lean) * self._upright.high(angle)
-        inertia = block.shape.rotary_inertia_about_corner(_side(angle))
-        margin = self._upright.margin(inertia * spin**2 / 2 + swing, angle, spin)
-        return Response.of(found.overturned, len(found.impacts), margin)
+def housner_fate(scene: Scene, kind: PulseKind, frequency: float, amplitude: float) -> str:
+    """Fate of a scene's rigid block under one pulse by Housner's equation, as `elastic_fate`."""
+    upright = Upright.of(scene)
+    pulse = kind.motion(amplitude * upright.unit, frequency * upright.frequency)
+    found = housner(
+        upright.shape,
+        gravity=scene.gravity,
+        end=pulse.stop + ODE_LATEST / upright.frequency,
+        step=pulse.stop / ODE_STEPS,
+        acceleration=pulse.acceleration,
+        restitution=upright.given or None,
+    )
+    return fate_of(overturns=found.overturned, impacts=len(found.impacts))
 
 
 # ---------------------------------------------------------------- an elastic block
@@ -298,7 +284,7 @@ def elastic_fate(tables: Tables, kind: PulseKind, frequency: float, amplitude: f
     name, history = scene.blocks[0].name, result.history
     block = result.summary["blocks"][name]
     if block["overturned_at_s"] is not None:
-        return LATER if block["impacts"] else DIRECTLY
+        return fate_of(overturns=True, impacts=len(block["impacts"]))
     upright = Upright.of(variant(tables, model="rigid", restitution=None))
     energy = history["energy.kinetic_J"][-1] + history["energy.gravity_J"][-1]
     if not upright.stays(energy, history[f"{name}.angle_rad"][-1]):

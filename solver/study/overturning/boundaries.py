@@ -12,14 +12,16 @@ from scipy.optimize import minimize_scalar
 STAYS, DIRECTLY, LATER = "stays", "overturns without impact", "overturns after an impact"
 """Fates of a block under a pulse."""
 
-FIRST = 0.004
-"""Part of the rigid block's threshold by which the first pair of amplitudes differs from it."""
-
 WIDEST = 0.4
-"""Part of it beyond which no boundary is sought."""
+"""Part of the rigid block's threshold beyond which no boundary of another engine is sought."""
 
 NARROW = 2e-3
 """Relative width of the narrowest interval that is sought between two numbers of impacts."""
+
+
+def fate_of(*, overturns: bool, impacts: int) -> str:
+    """The fate of a block in words, by its impacts before it overturns."""
+    return (LATER if impacts else DIRECTLY) if overturns else STAYS
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +44,7 @@ class Response:
     @property
     def label(self) -> str:
         """The fate in words."""
-        return (LATER if self.impacts else DIRECTLY) if self.overturns else STAYS
+        return fate_of(overturns=self.overturns, impacts=self.impacts)
 
 
 Respond = Callable[[float], Response]
@@ -155,12 +157,13 @@ def near(
         rigid: The boundary of a rigid block.
         below: What comes of it below the boundary.
         above: What comes of it above.
-        tolerance: Relative, of the distance between both.
+        tolerance: Relative, of the distance between both; twice as far from the rigid block's
+            boundary are the first two that are tried.
 
     Returns:
         The lower and the higher one; None where none is found within `WIDEST`.
     """
-    part, low, high = FIRST, rigid, rigid
+    part, low, high = 2 * tolerance, rigid, rigid
     while part < WIDEST:
         if low == rigid and fate(rigid * (1 - part)) == below:
             low = rigid * (1 - part)

@@ -6,7 +6,7 @@ Frequencies are added where the intervals of two neighbours differ.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from itertools import pairwise, product
@@ -19,24 +19,20 @@ from solver.reference.housner import housner_restitution
 from solver.scene import Scene
 from solver.study.overturning.blocks import (
     PULSES,
-    HousnerUnderPulses,
     RigidUnderPulses,
     elastic_fate,
+    housner_fate,
 )
-from solver.study.overturning.boundaries import STAYS, Boundary, Response, boundaries, near
+from solver.study.overturning.boundaries import STAYS, Boundary, boundaries, near
 from solver.study.overturning.numbers import NAMES, as_text, boundary_rows, differences, kinds
 from solver.study.scenes import Tables, is_elastic, standing_block, variant
-from solver.study.study import SUMMARY, Row, Study, numbers, words
-from solver.study.tables import as_csv, write
+from solver.study.study import Row, Study, numbers, words
 
 ENOUGH_FRICTION = 1.7
 """Friction with which no block slides that a sudden acceleration can rock (Shenton 1996)."""
 
-TOLERANCE = {"rigid": 1e-5, "ode": 1e-4, "elastic": 2e-3}
+TOLERANCE = {"rigid": 1e-5, "ode": 5e-5, "elastic": 2e-3}
 """Relative, of the amplitudes of boundaries."""
-
-BESIDE = 0.01
-"""Part of a rigid block's boundary within which the equation's is sought."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,14 +70,15 @@ class OverturningCase:
 
     def run(self) -> Row:
         """Find the boundaries on one process; the row of the case, with a list of them."""
-        pulse = PULSES[self.pulse]
+        pulse, scene = PULSES[self.pulse], self.scene()
         if self.engine == "rigid":
-            block = RigidUnderPulses(self.scene(), pulse, self.frequency)
+            block = RigidUnderPulses(scene, pulse, self.frequency)
             found = boundaries(block, self.amplitudes, TOLERANCE["rigid"])
         elif self.engine == "ode":
-            found = self._beside(HousnerUnderPulses(self.scene(), pulse, self.frequency))
+            found = self._beside(partial(housner_fate, scene, pulse, self.frequency), self.rigid)
         else:
-            found = self._near(partial(elastic_fate, self.tables, pulse, self.frequency))
+            known = [edge for edge in self.rigid if STAYS in edge]
+            found = self._beside(partial(elastic_fate, self.tables, pulse, self.frequency), known)
         return {
             "status": "completed",
             "reason": "",
@@ -92,24 +89,15 @@ class OverturningCase:
             "boundaries": [asdict(each) for each in found],
         }
 
-    def _beside(self, respond: Callable[[float], Response]) -> list[Boundary]:
-        """The equation's boundaries beside those of the rigid block."""
+    def _beside(
+        self, fate: Callable[[float], str], rigid: Iterable[tuple[float, str, str]]
+    ) -> list[Boundary]:
+        """The boundaries of another engine next to those of the rigid block."""
         found = []
-        for amplitude, below, above in self.rigid:
-            beside = [amplitude * (1 - BESIDE), amplitude * (1 + BESIDE)]
-            for each in boundaries(respond, beside, TOLERANCE["ode"]):
-                if (each.below, each.above) == (below, above):
-                    found.append(each)
-        return found
-
-    def _near(self, fate: Callable[[float], str]) -> list[Boundary]:
-        """The elastic block's boundaries next to those of the rigid one."""
-        found = []
-        for amplitude, below, above in self.rigid:
-            if STAYS in (below, above):
-                ends = near(fate, amplitude, below, above, TOLERANCE["elastic"])
-                if ends is not None:
-                    found.append(Boundary(sum(ends) / 2, below, above))
+        for amplitude, below, above in rigid:
+            ends = near(fate, amplitude, below, above, TOLERANCE[self.engine])
+            if ends is not None:
+                found.append(Boundary(sum(ends) / 2, below, above))
         return found
 
 
@@ -132,7 +120,7 @@ class OverturningStudy(Study[OverturningCase]):
 
     kind, noun = "overturning", "study of overturning"
     same = "the same scene, amplitudes and samples"
-    files = ("overturning.csv", "overturning.txt", SUMMARY, "overturning.png", "restitution.png")
+    files = ("restitution.png",)
 
     def __init__(self, options: argparse.Namespace):
         """Read the command line."""
@@ -212,10 +200,9 @@ class OverturningStudy(Study[OverturningCase]):
             return ""
         edges = boundary_rows(done, self.restitutions[0])
         text = as_text(edges)
-        write(self.folder / "overturning.csv", as_csv(edges, NAMES))
-        write(self.folder / "overturning.txt", text)
         counts = {"cases": len(self.cases), "completed": len(done)}
-        write(self.folder / SUMMARY, counts | {"largest_difference": differences(edges)})
+        summary = counts | {"largest_difference": differences(edges)}
+        self.leave(edges, text, summary, names=NAMES)
         self._draw(done)
         return text
 

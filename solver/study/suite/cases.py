@@ -30,7 +30,7 @@ from solver.scene import Scene, parse_scene
 from solver.scene.checking import shown
 from solver.scene.motion import G_UNIT
 from solver.study.scenes import refuse_components, refuse_others, scene_tables, with_model
-from solver.study.study import SUMMARY, Row, Study, by_name, words
+from solver.study.study import Row, Study, by_name, words
 from solver.study.study import numbers as numbers_of
 from solver.study.suite import numbers
 from solver.study.suite.intensity import ROTD50, Intensity
@@ -42,7 +42,7 @@ RIGID, ELASTIC, ODE = ENGINES = ("rigid", "elastic", "ode")
 STEP, LONGEST, TOLERANCE = 0.01, 0.04, 1e-6
 """Steps between rows of Housner's equation, and of its integration, times p; its tolerance."""
 
-TABLE, TEXT, PICTURE, RUNS = "suite.csv", "suite.txt", "suite.png", "runs"
+RUNS = "runs"
 FRAGILITY, FRAGILITY_TEXT = "fragility.csv", "fragility.txt"
 CURVES, DISTRIBUTIONS = "fragility.png", "peaks.png"
 
@@ -229,7 +229,7 @@ class SuiteStudy(Study[SuiteCase]):
 
     kind, noun = "suite", "suite"
     same = "the same scene, motions and options"
-    files = (TABLE, TEXT, SUMMARY, PICTURE, FRAGILITY, FRAGILITY_TEXT, CURVES, DISTRIBUTIONS)
+    files = (FRAGILITY, FRAGILITY_TEXT, CURVES, DISTRIBUTIONS)
     folders = (RUNS,)
 
     def __init__(self, options: argparse.Namespace):
@@ -331,50 +331,46 @@ class SuiteStudy(Study[SuiteCase]):
     def write(self) -> str:
         """Write the tables of what has been done; of ensembles the statistics, too."""
         rows, varied = self.ordered, self.varied
-        # The longest row has all columns in their order: one that failed has few.
-        write(self.folder / TABLE, as_csv(rows, column_names(sorted(rows, key=len, reverse=True))))
-        text = numbers.as_text(rows, varied, self.notes)
-        write(self.folder / TEXT, text)
-        done = len(self.completed)
+        text, done = numbers.as_text(rows, varied, self.notes), len(self.completed)
         found: dict[str, Any] = {
             "cases": len(self.cases), "completed": done, "failed": len(rows) - done,
             "notes": self.notes, "ratios": numbers.ratios(rows, varied),
         }  # fmt: skip
         if self.engines or self.levels:
-            more, text = self._write_fragility(rows)
-            found |= more
             failed = [row for row in rows if row["status"] != "completed"]
             lines = numbers.remarks(failed, varied) + numbers.cautions(rows, varied) + self.notes
-            text += "".join(f"{line}\n" for line in lines)
-        elif len(rows) == len(self.cases):
+            told = self._write_ensemble(rows, text, found)
+            return told + "".join(f"{line}\n" for line in lines)
+        self.leave(rows, text, found)
+        if len(rows) == len(self.cases):
             from solver.study.suite.picture import panels_of, suite_picture
 
             shown = [row for row in rows if row.get("pga_g") is not None]
             if panels := panels_of(shown):
-                self.draw(PICTURE, suite_picture, shown, varied, panels)
-        write(self.folder / SUMMARY, found)
+                self.draw("suite.png", suite_picture, shown, varied, panels)
         return text
 
-    def _write_fragility(self, rows: Sequence[Row]) -> tuple[dict[str, Any], str]:
-        """Write tables and pictures of an ensemble; its entry in the summary, and its text."""
+    def _write_ensemble(self, rows: Sequence[Row], text: str, summary: Row) -> str:
+        """Write tables and pictures of an ensemble, and what there is of all suites; its text."""
         found = numbers.samples(rows, self.varied, self.blocks)
         measure = {"intensity": self.axis} if self.intensity else {}
         table = [sample.row() | measure for sample in found]
         curves, apart = list(numbers.fits(found)), numbers.distances(found)
+        fits = [
+            {**dict(own[0].group), "engine": own[0].engine, **(asdict(curve) if curve else {})}
+            for own, curve in curves
+        ]
+        told = numbers.fragility_text(found, curves, apart, self.axis)
+        self.leave(rows, text, summary | {"levels": table, "fits": fits, "distances": apart})
         write(self.folder / FRAGILITY, as_csv(table, column_names(table)))
-        text = numbers.fragility_text(found, curves, apart, self.axis)
-        write(self.folder / FRAGILITY_TEXT, text)
+        write(self.folder / FRAGILITY_TEXT, told)
         if found:
             from solver.study.suite.picture import fragility_picture, peaks_picture
 
             if curves:
                 self.draw(CURVES, fragility_picture, curves, self.axis)
             self.draw(DISTRIBUTIONS, peaks_picture, found, self.axis)
-        fits = [
-            {**dict(own[0].group), "engine": own[0].engine, **(asdict(curve) if curve else {})}
-            for own, curve in curves
-        ]
-        return {"levels": table, "fits": fits, "distances": apart}, text
+        return told
 
     def say(self, text: str) -> None:
         """Say what was found, and where everything stands."""
