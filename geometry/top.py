@@ -34,10 +34,11 @@ class Top:
     """Height of its lowest corner, m."""
 
     @classmethod
-    def rectangle(cls, half: Array, level: float) -> Top:
-        """A rectangle about the origin, by half its lengths (d - 1,), m."""
+    @lru_cache(maxsize=256)
+    def rectangle(cls, half: tuple[float, ...], level: float) -> Top:
+        """A rectangle about the origin, by half its d - 1 lengths, m."""
         sides = np.eye(len(half))
-        return cls(np.concatenate([sides, -sides]), np.concatenate([half, half]), level)
+        return cls(np.concatenate([sides, -sides]), np.array(half * 2), level)
 
     def is_off(self, places: Array) -> Mask:
         """True where places (n, d), m, are beside it, or below its level; (n,)."""
@@ -54,7 +55,7 @@ def top_over_centre(block: Block, dimension: int) -> float:
 def top_of(block: Block, dimension: int) -> Top:
     """The top of a block, about the middle of its bottom."""
     if block.solid is None:
-        return Top.rectangle(np.array(block.half_lengths(dimension)[:-1]), block.height)
+        return Top.rectangle(block.half_lengths(dimension)[:-1], block.height)
     corners, faces = hull_of(block.solid.corners, NEAR)
     upwards = normals_of(corners, faces)[:, -1] > STEEPEST_TOP + NEAR
     numbers = {k for face, up in zip(faces, upwards, strict=True) if up for k in face}

@@ -14,11 +14,14 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from benchmarks.stability.verdict import LARGEST_GAIN, Verdict
-from solver.pictures.style import GREY, RED, new_figure, save
+from solver.pictures.style import GREY, PURPLE, RED, new_figure, save
 from solver.study.tables import groups
 
 LEAST_GAIN = 1e-14
 """Gains below this, and losses, are drawn as it."""
+
+COLOURS = {"ended": PURPLE, "refused": GREY, "failed": RED}
+"""Of scenes that do not hold."""
 
 PANELS_ACROSS = 3
 """Families side by side."""
@@ -46,12 +49,12 @@ def draw(verdicts: Sequence[Verdict]) -> Figure:
         tall = down > 2
         bar = figure.colorbar(image, ax=list(panels), shrink=0.4 if tall else 1.0, aspect=40)
         where = " " if tall else "\n"
-        bar.set_label(f"log10 of the energy gain;{where}grey: refused, red: failed")
+        bar.set_label(f"log10 of the energy gain;{where}pink: ended, grey: refused, red: failed")
     return figure
 
 
 def _panel(axes: Axes, family: str, verdicts: Sequence[Verdict], scale: Normalize) -> Any:
-    """One family: colour for the energy gain, grey for refused, red for failed."""
+    """One family: colours for the energy gain, and for scenes that do not hold."""
     rows = list(dict.fromkeys(verdict.row for verdict in verdicts))
     columns = list(dict.fromkeys(verdict.column for verdict in verdicts))
     if len(columns) == 1:  # random scenes, a list: as a block of ten to a line
@@ -64,8 +67,7 @@ def _panel(axes: Axes, family: str, verdicts: Sequence[Verdict], scale: Normaliz
         if verdict.verdict == "holds":
             gain[place] = math.log10(max(LEAST_GAIN, verdict.energy_gain))
         else:
-            colour = GREY if verdict.verdict == "refused" else RED
-            axes.add_patch(_square(place, colour))
+            axes.add_patch(_square(place, COLOURS[verdict.verdict]))
     image = axes.imshow(gain, norm=scale, cmap="viridis", aspect="auto")
     axes.set_title(family)
     axes.set_xticks(range(len(columns)), columns, rotation=35, ha="right", fontsize=6)

@@ -27,7 +27,7 @@ TABLE, LINES, PICTURE = "stability.csv", "stability.txt", "stability.png"
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run and judge all scenes; 0 where every scene holds or is refused, 3 where one failed."""
+    """Run and judge all scenes; 0 where none failed, 3 where one did."""
     comm = MPI.COMM_WORLD
     cases: list[StabilityCase] = on_first_rank(comm, lambda: prepare(options))
     order = {case.name: number for number, case in enumerate(cases)}

@@ -12,7 +12,7 @@ from solver.study import tables
 from solver.study.tables import groups, in_columns
 
 #: Marks of the verdicts in the text: what held is shown by its energy gain instead.
-MARKS = {"refused": "refused", "failed": "FAILED"}
+MARKS = {"ended": "ended", "refused": "refused", "failed": "FAILED"}
 
 
 def as_csv(verdicts: Sequence[Verdict]) -> str:
@@ -22,14 +22,14 @@ def as_csv(verdicts: Sequence[Verdict]) -> str:
 
 
 def as_text(verdicts: Sequence[Verdict]) -> str:
-    """A grid of energy gains for each family, then why scenes were refused or failed."""
+    """A grid of energy gains for each family, then why scenes ended, were refused or failed."""
     lines: list[str] = []
     for family, inside in groups(verdicts, lambda verdict: verdict.family).items():
         if len({verdict.column for verdict in inside}) > 1:
             lines += [f"{family}: largest energy gain", *_grid(inside), ""]
         else:
             lines += [f"{family}: {_counted(inside)}", ""]
-    for word in ("refused", "failed"):
+    for word in MARKS:
         lines += [
             f"{word}: {verdict.name}: {verdict.reason}"
             for verdict in verdicts
@@ -56,7 +56,7 @@ def _cell(verdict: Verdict) -> str:
 def _counted(verdicts: Sequence[Verdict]) -> str:
     """Counts of each verdict, in words."""
     counts: Counter[str] = Counter(verdict.verdict for verdict in verdicts)
-    return ", ".join(f"{counts[word]} {word}" for word in ("holds", "refused", "failed"))
+    return ", ".join(f"{counts[word]} {word}" for word in ("holds", *MARKS))
 
 
 def _largest(values: Sequence[float]) -> float:

@@ -33,7 +33,7 @@ ROUND_OFF = 1e-14
 scale, and no more digits than others."""
 
 
-Word = Literal["holds", "refused", "failed"]
+Word = Literal["holds", "ended", "refused", "failed"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,9 +41,9 @@ class Verdict(Place):
     """Verdict on a scene.
 
     Attributes:
-        verdict: It completed and kept its energy, or was refused by name, or neither. A run that
-            ends where a block is compressed beyond its law is refused, too.
-        reason: Why it was refused, or what failed.
+        verdict: It completed and kept its energy, or kept it until it ended where a block was
+            compressed beyond its law, or was refused by name, or none of these.
+        reason: Why it ended or was refused, or what failed.
         energy_gain: Largest gain over the scale of energy.
         ledger_error: Largest error of the ledger over the same.
         penetration_over_static: Deepest point of any elastic block over weight / (area gamma_h).
@@ -102,14 +102,16 @@ def judge(case: StabilityCase, limit: float) -> Verdict:
         result = simulate(scene, seconds=limit, comm=MPI.COMM_SELF)
     except SceneError as error:
         return Verdict.of(case, "refused", str(error), seconds=time.perf_counter() - began)
-    if BEYOND_LAW in result.summary["reason"]:
-        told = result.summary["reason"]
-        return Verdict.of(case, "refused", told, seconds=time.perf_counter() - began)
+    word: Word = "holds"
     reason = trouble(result) or (far_from_reference(case.tables, result) if case.compared else "")
+    if reason:
+        word = "failed"
+    elif ended_early(result):
+        word, reason = "ended", result.summary["reason"]
     cost, energy = result.summary["cost"], result.summary["energy"]
     return Verdict.of(
         case,
-        "failed" if reason else "holds",
+        word,
         reason,
         energy_gain=energy["largest_gain_fraction"],
         ledger_error=energy["ledger_error_fraction"],
@@ -123,9 +125,14 @@ def judge(case: StabilityCase, limit: float) -> Verdict:
     )
 
 
+def ended_early(result: Result) -> bool:
+    """True if a run ended where the material model of a body ends, with what it had till then."""
+    return BEYOND_LAW in result.summary["reason"]
+
+
 def trouble(result: Result) -> str:
-    """Conditions that a run violated, in words; empty where it held all of them."""
-    if result.status != "completed":
+    """Conditions that a run violated, in words; empty where it held all of them to its end."""
+    if result.status != "completed" and not ended_early(result):
         return f"{result.status}: {result.summary['reason']}"
     names = [name for name in result.history.columns if np.isnan(result.history[name]).any()]
     if names:

@@ -134,8 +134,11 @@ class FacetCarrier:
     def reaction(
         self, old: ContactKinematics, new: ContactKinematics, vectors: Array
     ) -> Array | None:
-        """Forces on the nodes: half at the places before, half at those after."""
-        if not vectors.any():
+        """Forces on the nodes: half at the places before, half at those after.
+
+        None where nothing presses, or all of it on what is fixed.
+        """
+        if not (self.turns and vectors.any()):
             return None
         assert old.projection is not None and new.projection is not None
         return spread(old.projection, new.projection, -vectors, self.points.count)

@@ -46,7 +46,8 @@ template <int d> struct Contact {
     State state = OPEN;
     bool slips = false;
     bool closed = false;   // at the end of the step
-    double rubbed;         // energy that friction took in the step, J
+    double lost;           // energy that the contact took in the step, J
+    double rubbed;         // and its friction, J
     double end_gap;        // m
 
     /// The normal, from the body of the face to that of the point, or a tangent.

@@ -43,13 +43,11 @@ template <int d> class LocalProblem {
             outcomes.warm++;
             return true;
         }
-        const std::size_t count = island.contacts.size();
-        first_.resize(count);
-        for (std::size_t i = 0; i < count; i++) first_[i] = island.contacts[i]->impulse;
+        save(island, first_);
         if (by_proximal_point(island)) return true;
-        restore(island, first_);
-        outcomes.interior++;
-        if (interior_point_.solve(island, factors_for(island))) {
+        for (Start start : {Start::INTERIOR, Start::STUCK}) {
+            restore(island, first_);
+            if (!begin_at(island, start)) continue;
             for (C* k : island.contacts) k->anchor = k->impulse;
             if (by_proximal_point(island)) return true;
         }
@@ -61,30 +59,24 @@ template <int d> class LocalProblem {
     /// Takes out what the proximal term has left of the law; with final rows. False where more than
     /// round-off is left of it. Forces at rest are to last: they are brought further.
     bool finish(I& island, bool at_rest = false) {
-        const double enough = at_rest ? 0.01 : ENOUGH;
-        double e = error(island, 0);
-        const std::size_t count = island.contacts.size();
-        for (int round = 0; round < FINISHING_ROUNDS && e > enough; round++) {
-            kept_.resize(count);
-            anchor_.resize(count);
-            for (std::size_t i = 0; i < count; i++) kept_[i] = anchor_[i] = island.contacts[i]->impulse;
-            const bool settled = newton(island, SOFTNESS, FULL_STEPS + 8, std::min(enough, 1.0));
-            const double next = settled || at_rest ? error(island, 0) : INFINITY;
-            if (next < e) {
-                const bool stalls = next > 0.5 * e;
-                e = next;
-                if (stalls) break;
-                continue;
-            }
-            restore(island, kept_);
+        double e = refine(island, at_rest);
+        // With much friction the law with the term has solutions of its own, far from those without.
+        for (Start start : {Start::INTERIOR, Start::STUCK}) {
+            if (is_solved(e)) break;
+            const double breach = breach_;
+            save(island, first_);
+            if (begin_at(island, start)) e = refine(island, at_rest);
+            else breach_ = INFINITY;
+            if (breach_ < breach) continue;
+            restore(island, first_);
             e = error(island, 0);
-            break;
         }
-        if (e > ENOUGH) {
+        loose_ = e > ENOUGH;
+        if (loose_) {
             outcomes.loose++;
             outcomes.loosest = std::max(outcomes.loosest, e);
         }
-        return breach_ < tolerated_breach || (e < 1e6 && breach_ < 3 * tolerated_breach);
+        return is_solved(e);
     }
 
     /// Impulses that the law admits and that obey it nearly, where nothing settles them.
@@ -97,21 +89,34 @@ template <int d> class LocalProblem {
         return take(island);
     }
 
+    /// Whether the last `finish` left more of the law than is tolerated.
+    bool is_loose() const { return loose_; }
+
     /// Takes impulses that do not obey the law, as far as they gain no energy, and writes motions and y;
     /// false beyond numbers.
     bool take(I& island) {
-        // P.G w is twice the work of the impulses, and P.G (w - w_free) is not negative.
-        island.move();
-        double with = 0, without = 0;
-        for (const C* k : island.contacts) {
-            with += dot(k->impulse, island.moved(*k, island.w));
-            without += dot(k->impulse, island.moved(*k, island.free));
-        }
-        if (with > 0)
-            for (C* k : island.contacts) k->impulse = std::max(without / (without - with), 0.0) * k->impulse;
-        const bool finite = keep(island);
+        const bool finite = take_back_gain(island);
         largest_defect = std::max(largest_defect, breach_);
         return finite;
+    }
+
+    /// Reduces the impulses of contacts in a step to what gains no energy, and writes motions and y; false
+    /// beyond numbers. Springs of links may give back what they took.
+    bool take_back_gain(I& island) {
+        island.move();
+        // P.G w is twice the work of the impulses, of which P.G M^-1 G^T P grows with their square.
+        x_.assign(island.w.size(), {});
+        double work = 0, own = 0;
+        for (const C* k : island.contacts)
+            if (!k->link) {
+                work += dot(k->impulse, island.moved(*k, island.w));
+                island.push(*k, k->impulse, x_);
+            }
+        for (std::size_t b = 0; b < x_.size(); b++) own += dot(x_[b], mul(island.inverse_mass[b], x_[b]));
+        if (work > 0)
+            for (C* k : island.contacts)
+                if (!k->link) k->impulse = std::max(1 - work / own, 0.0) * k->impulse;
+        return keep(island);
     }
 
     /// Keeps the impulses, whatever the law says, and writes motions and y; false beyond numbers.
@@ -130,9 +135,63 @@ template <int d> class LocalProblem {
     static constexpr double ROUND_OFF = 64 * 2.2e-16;  // relative to the largest of all
     static constexpr double ENOUGH = 10;               // times what is tolerated: no need to go on
     static constexpr double SOFTNESS = 1e-5;           // q of the proximal term
+    static constexpr double HARDEST = 1e-9;            // least q, where the law is nearly singular
     static constexpr double MOST_HELD = 3;             // of the compliance in it, times the least in the island
     static constexpr double SOFTEST = 1e4;
     static constexpr int FULL_STEPS = 10, ROUNDS = 60, PROXIMAL_ROUNDS = 40, FINISHING_ROUNDS = 30, SWEEPS = 1500;
+
+    /// From where Newton's method goes on when it has failed.
+    enum class Start {
+        INTERIOR,  // what the interior point method finds
+        STUCK,     // all that presses sticks: bodies that are wedged hold themselves so
+    };
+
+    /// Writes the impulses of a start; false where it is not found.
+    bool begin_at(I& island, Start start) {
+        if (start == Start::INTERIOR) {
+            outcomes.interior++;
+            return interior_point_.solve(island, factors_for(island));
+        }
+        friction_.resize(island.contacts.size());
+        for (std::size_t i = 0; i < friction_.size(); i++) {
+            friction_[i] = island.contacts[i]->bound.mu;
+            if (friction_[i] > 0) island.contacts[i]->bound.mu = INFINITY;
+        }
+        const bool found = by_proximal_point(island);
+        for (std::size_t i = 0; i < friction_.size(); i++) island.contacts[i]->bound.mu = friction_[i];
+        return found;
+    }
+
+    /// Whether no more than round-off is left of the law after the last look, which found an error.
+    bool is_solved(double e) const { return breach_ < tolerated_breach || (e < 1e6 && breach_ < 3 * tolerated_breach); }
+
+    /// Solves again and again with the term held at the impulses of the last solution; returns the error.
+    double refine(I& island, bool at_rest) {
+        const double enough = at_rest ? 0.01 : ENOUGH;
+        double e = error(island, 0), q = SOFTNESS;
+        for (int round = 0; round < FINISHING_ROUNDS && e > enough; round++) {
+            save(island, kept_);
+            anchor_ = kept_;
+            const bool settled = newton(island, q, FULL_STEPS + 8, std::min(enough, 1.0));
+            const double next = settled || at_rest ? error(island, 0) : INFINITY;
+            const bool stalls = !(next <= 0.5 * e);
+            if (next < e) e = next;
+            else {
+                restore(island, kept_);
+                e = error(island, 0);
+            }
+            if (!stalls) continue;
+            // Where bodies are nearly wedged, the term holds impulses as strongly as the law moves them.
+            if (e <= ENOUGH || q <= HARDEST) break;
+            q *= 0.01;
+        }
+        return e;
+    }
+
+    static void save(const I& island, std::vector<Vec<d>>& impulses) {
+        impulses.resize(island.contacts.size());
+        for (std::size_t i = 0; i < impulses.size(); i++) impulses[i] = island.contacts[i]->impulse;
+    }
 
     static void restore(I& island, const std::vector<Vec<d>>& impulses) {
         for (std::size_t i = 0; i < impulses.size(); i++) island.contacts[i]->impulse = impulses[i];
@@ -461,13 +520,14 @@ template <int d> class LocalProblem {
     }
 
     double breach_ = 0, merit_ = 0;
+    bool loose_ = false;
     long stamps_ = 0;
     InteriorPoint<d> interior_point_;
     BlockLU<unknowns> single_;
     std::unordered_map<std::uint64_t, BlockLU<unknowns>> patterns_;
     std::vector<std::array<double, 2>> sum_;
     std::vector<std::array<std::array<double, 2>, 2>> part_;
-    std::vector<double> largest_, defect_;
+    std::vector<double> largest_, defect_, friction_;
     std::vector<Vec<d>> trial_, change_, before_, best_, anchor_, last_, first_, kept_;
     std::vector<Mat<d, d>> stiffness_;
     std::vector<Motion> x_;

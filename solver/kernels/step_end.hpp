@@ -29,7 +29,8 @@ template <int d> void close_contact(World<d>& world, const Step<d>& step, Contac
     const double half = 0.5 * step.piece.dt;
     k.rubbed = 0;
     for (int i = 1; i < d; i++) k.rubbed -= 0.5 * k.impulse[i] * k.y[i];
-    world.ledger.book(-0.5 * dot(k.impulse, step.moved(k, step.w)), k.rubbed);
+    k.lost = -0.5 * dot(k.impulse, step.moved(k, step.w));
+    world.ledger.book(k.lost, k.rubbed);
     k.closed = k.state != OPEN || half * k.y[0] < 1e-11 * world.size;
     if (k.state != OPEN && k.state != STICK && !k.slips) k.state = STICK;
     k.total = k.impulse;

@@ -131,6 +131,7 @@ template <int d> class StepSolver {
                 kept = true;
                 continue;
             }
+            if (!kept && local_.is_loose() && !local_.take_back_gain(island)) return false;
             off = take_motions(step, island);
             bool again = off > 100 * enough;
             if (again)

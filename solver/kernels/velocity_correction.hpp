@@ -35,13 +35,14 @@ template <int d> class VelocityCorrection {
     void correct(const Step<d>& step, Island<d>& island) {
         const std::size_t count = island.contacts.size();
         done_.resize(count);
-        double taken = 0, power = 0, quiet = 0;
+        double rubbed = 0, lost = 0, power = 0, quiet = 0;
         bool lands = false;
         start_instant(world_, step, island);
         for (std::size_t i = 0; i < count; i++) {
             const C& k = *island.contacts[i];
             done_[i] = {k.impulse, k.y, island.reading(k), k.state};
-            taken += k.rubbed;
+            rubbed += k.rubbed;
+            lost += k.lost;
             power += std::fabs(dot(k.impulse, done_[i].velocity));
             lands |= k.gap > world_.touching() && k.state != OPEN;
             island.push(k, -1.0 * k.impulse, island.free);
@@ -51,7 +52,8 @@ template <int d> class VelocityCorrection {
             island.free[j] = island.w[j] + mul(island.inverse_mass[j], island.free[j]);
             quiet += 1e-20 * world_.bodies[island.bodies[j]].mass * dt * dt * dot(world_.gravity, world_.gravity);
         }
-        taken = std::max(taken, 0.0);
+        // What the step gained beside its friction may not be given back once more.
+        const double taken = std::max(std::min(rubbed, lost), 0.0);
         int problem = lands ? 0 : 1;
         while (problem < 4 && !corrects(step, island, problem, taken, power, quiet)) problem++;
         world_.counts.rungs[problem]++;

@@ -11,7 +11,7 @@ same way for all engines.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -26,6 +26,7 @@ from solver.results.motion import (
     boxes,
     centres,
     extents,
+    middles,
     platform_drift,
     tipping,
     top_axes,
@@ -170,23 +171,23 @@ def fallen(scene: Scene, history: Columns, block: BlockSpec) -> Mask:
 
 def off_foundation(scene: Scene, history: Columns, block: BlockSpec) -> Mask:
     """In which rows a block moves down, off the foundation, which has ends."""
-    return _off(history, block, [_foundation(scene, history)])
+    return _off(history, block, _foundation(scene, history))
 
 
-def _off(history: Columns, block: BlockSpec, tops: Iterable[_PlacedTop]) -> Mask:
+def _off(history: Columns, block: BlockSpec, tops: Iterator[_PlacedTop]) -> Mask:
     """In which rows a block moves down, off all of some tops; never in the first one."""
-    middle = boxes(history, block).centres
-    falls = np.diff(middle[:, -1], prepend=middle[:1, -1]) < 0
-    for carrier in tops:
-        rows = np.flatnonzero(falls)
-        inwards, at = np.swapaxes(carrier.frames[rows], 1, 2), carrier.origins[rows]
+    middle = middles(history, block)
+    falls = np.zeros(len(middle), dtype=np.bool_)
+    falls[1:] = middle[1:, -1] < middle[:-1, -1]
+    if not np.count_nonzero(falls):  # most often: a run looks at every row
+        return falls
+    for top, origins, frames in tops:
         # Only where its middle is off the top, too.
-        off = carrier.top.is_off(np.einsum("nij,nj->ni", inwards, middle[rows] - at))
-        falls[rows[~off]] = False
-        rows, inwards, at = rows[off], inwards[off], at[off]
+        falls &= top.is_off(np.einsum("nji,nj->ni", frames, middle - origins))
+        rows = np.flatnonzero(falls)
         if not len(rows):
             return falls
-        top = carrier.top
+        inwards, at = np.swapaxes(frames[rows], 1, 2), origins[rows]
         out = top.normals @ inwards[:, :-1]
         high = _reach(history, block, rows, inwards[:, -1:], at)[:, 0]
         low = -_reach(history, block, rows, -inwards[:, -1:], at)[:, 0]
@@ -224,14 +225,14 @@ def _carriers(scene: Scene, history: Columns, block: BlockSpec) -> Iterator[_Pla
         origins = centres(history, carrier.name) - axes @ np.array(centre)
         yield _PlacedTop(top_of(carrier.shape, d), origins, axes)
     if scene.carrier_of(block) is None:
-        yield _foundation(scene, history)
+        yield from _foundation(scene, history)
 
 
-def _foundation(scene: Scene, history: Columns) -> _PlacedTop:
+def _foundation(scene: Scene, history: Columns) -> Iterator[_PlacedTop]:
     """The top of a foundation that has ends."""
     assert scene.foundation.top is not None
     dimension = scene.dimension
-    half = np.array(scene.foundation.top[: dimension - 1]) / 2
+    half = tuple(side / 2 for side in scene.foundation.top[: dimension - 1])
     origins = platform_drift(history, dimension)
-    frames = np.broadcast_to(np.eye(dimension), (len(origins), dimension, dimension))
-    return _PlacedTop(Top.rectangle(half, 0.0), origins, frames)
+    frames = np.eye(dimension)[None].repeat(len(origins), axis=0)
+    yield _PlacedTop(Top.rectangle(half, 0.0), origins, frames)

@@ -352,7 +352,26 @@ def lean_over_alpha(history: Columns, block: BlockSpec) -> Array:
 
 def boxes(history: Columns, block: BlockSpec) -> Boxes:
     """A block as a rigid box, over the rows: the one around it, along its axes, of a shape."""
-    name = block.name
+    frames, shape = _frames(history, block.name), block.shape
+    return Boxes(
+        half=np.array(shape.half_lengths(frames.shape[-1])),
+        centres=middles(history, block),
+        frames=frames,
+    )
+
+
+def middles(history: Columns, block: BlockSpec) -> Array:
+    """The middle of the box around a block, over the rows, (rows, d), m."""
+    middle, shape = centres(history, block.name), block.shape
+    if shape.centre is None:
+        return middle
+    d = middle.shape[-1]
+    off = np.array(shape.middle(d)) - shape.centre_of_mass(d)
+    return np.asarray(middle + _frames(history, block.name) @ off)
+
+
+def _frames(history: Columns, name: str) -> Array:
+    """The axes of a block as columns, over the rows, (rows, d, d)."""
     if is_spatial(history, name):
         turns = _rotations(history, name)
         axes = [rotated(turns, axis) for axis in np.eye(3)]
@@ -360,11 +379,7 @@ def boxes(history: Columns, block: BlockSpec) -> Boxes:
         angle = history[f"{name}.angle_rad"]
         cosine, sine = np.cos(angle), np.sin(angle)
         axes = [np.stack([cosine, -sine], axis=1), np.stack([sine, cosine], axis=1)]
-    shape, frames, middle = block.shape, np.stack(axes, axis=2), centres(history, name)
-    if shape.centre is not None:
-        d = len(axes)
-        middle = middle + frames @ (np.array(shape.middle(d)) - shape.centre_of_mass(d))
-    return Boxes(half=np.array(shape.half_lengths(len(axes))), centres=middle, frames=frames)
+    return np.stack(axes, axis=2)
 
 
 def rotated(rotations: Array, vectors: Array) -> Array:

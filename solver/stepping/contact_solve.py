@@ -113,7 +113,8 @@ class StepProblem:
         # Of each body its response, where its unknowns are, and its rotation at t_n.
         starts = model.system.slices, balance.rotations
         self._bodies = tuple(zip(tangents.responses, *starts, strict=True))
-        if model.points.turns:
+        operator = tangents.operator
+        if operator is not None and model.points.turning.take(operator.near.number).any():
             tangents.operator = None
         # At the iterate: its displacement, the state of each interface, and kinematics.
         self._u, self._seen = guess, self._remembered

@@ -37,7 +37,7 @@ with a larger diagonal, corrections would creep."""
 
 WEIGHT_OVER_ROUND_OFF = 1e4
 """Weight of a rigid body over the change of its point forces that round-off of the places of its
-points on another rigid one makes, at least."""
+points makes, at least."""
 
 
 class Delassus(NamedTuple):
@@ -99,7 +99,7 @@ class Softening:
         relative: Part of the largest diagonal entry of a point, (points,); 0 for points that have a
             softness of their own.
         least: Smallest value in the present step, (points,), m/N.
-        rigid: Numbers of the interfaces at which no body is meshed.
+        rigid: Numbers of the interfaces that have such points, and one or two rigid bodies.
     """
 
     relative: Array
@@ -112,16 +112,14 @@ class Softening:
 
         The points' own softness is in m/N.
         """
-        rigid = tuple(number for number, link in enumerate(links) if system.rigid(link))
-        relative = np.concatenate(
-            [
-                np.full(
-                    link.interface.count, RIGID_SOFTENING if number in rigid else MIXED_SOFTENING
-                )
-                for number, link in enumerate(links)
-            ]
-        )
+        kinds = [RIGID_SOFTENING if system.rigid(link) else MIXED_SOFTENING for link in links]
+        relative = np.repeat(kinds, [link.interface.count for link in links])
         relative = np.where(softness > 0, 0.0, relative)
+        rigid = tuple(
+            number
+            for number, link in enumerate(links)
+            if system.is_at_rigid(link) and not link.interface.softness.any()
+        )
         return cls(relative, np.zeros_like(relative), rigid) if relative.any() else None
 
     def in_step(self, system: System, points: PointTable, load: Array) -> Softening:

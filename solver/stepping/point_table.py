@@ -56,7 +56,7 @@ class PointTable:
         no_bed: The softness of beds where there are none, (points,), m/N.
         decays: True if that of some points decays with the speed.
         bounds: Bounds of friction that depends on neither speed nor the past; None: some does.
-        turns: True if a carrier turns.
+        turning: Points whose carriers turn, (points,).
         size: Of the body that each point belongs to, (points,), m.
         round_off: Round-off of their gaps, (points,), m.
     """
@@ -79,8 +79,8 @@ class PointTable:
             interfaces = [link.interface for link in links]
             each = [interface.bounds(new_pasts(interface.count)) for interface in interfaces]
             self.bounds = joined_bounds(each)
-        self.turns = any(carrier.turns for carrier in self.carriers)
         self._of_interfaces: dict[tuple[bool, ...], Mask] = {}
+        self.turning = self.of_interfaces(tuple(carrier.turns for carrier in self.carriers))
         self._frames_of: tuple[bytes, Array] | None = None
         """Frames that were given last, and for which points."""
         self.round_off = GAP_ROUND_OFF * self.size
@@ -98,7 +98,7 @@ class PointTable:
         By the kinematics of all interfaces; None for one that has none of the points.
         """
         key, kept = chosen.tobytes(), self._frames_of
-        if self.turns or kept is None or kept[0] != key:
+        if kept is None or kept[0] != key or self.turning.take(chosen).any():
             kept = self._frames_of = key, self._new_frames(chosen, seen)
         return kept[1]
 

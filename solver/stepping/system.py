@@ -90,8 +90,15 @@ class System:
 
     def rigid(self, link: Link) -> bool:
         """True if neither of the two bodies is meshed: their point forces are not unique then."""
-        members = [self.bodies[body] for body in (link.body, link.carrier) if body is not None]
-        return all(isinstance(member, DenseBody) for member in members)
+        return all(isinstance(member, DenseBody) for member in self._ends(link))
+
+    def is_at_rigid(self, link: Link) -> bool:
+        """True if one of the two bodies is rigid, or both are."""
+        return any(isinstance(member, DenseBody) for member in self._ends(link))
+
+    def _ends(self, link: Link) -> list[Body]:
+        """The bodies of an interface that move."""
+        return [self.bodies[body] for body in (link.body, link.carrier) if body is not None]
 
     def rotation(self, u: Array, body: int | None) -> Array:
         """The rotation of a body, (d, d); the identity for the ground."""

@@ -26,6 +26,7 @@ from solver.cli import main
 from solver.errors import SceneError
 from solver.excitation.motion import read_ground
 from solver.scene import limits
+from solver.stepping.ledger import BEYOND_LAW
 
 pytestmark = pytest.mark.serial
 
@@ -278,6 +279,28 @@ def test_verdicts() -> None:
     assert soft.verdict == "refused" and soft.reason.startswith("block.young: got 1, strained")
 
 
+@pytest.mark.usefixtures("compiled")
+def test_a_run_that_ends_beyond_the_law_of_a_body_has_ended() -> None:
+    """A soft bar that hits the ground at 13.6 m/s: its law bears 11.8 (`test_crushing.py`).
+
+    It has the numbers of what it had until then.
+    """
+    bar: dict[str, Any] = {
+        "width": 0.3,
+        "height": 1.0,
+        "density": 716.0,
+        "young": 1.4e6,
+        "poisson": 0.0,
+    }
+    bar |= {"cells": [2, 20], "velocity": [0.0, -13.6]}
+    tables = {"gravity": 0.0, "block": [bar], "time": {"end": 0.04, "step": 2e-4}}
+    verdict = judge(StabilityCase(family="f", row="r", column="c", tables=tables), 60.0)
+    assert verdict.verdict == "ended"
+    assert "block is compressed beyond St. Venant-Kirchhoff's law" in verdict.reason
+    assert 0 < verdict.steps < 200
+    assert verdict.energy_gain < 1e-5 and verdict.ledger_error < 1e-8
+
+
 class Rows(dict[str, NDArray[np.float64]]):
     """Columns of a history."""
 
@@ -295,6 +318,25 @@ def test_a_ledger_has_as_many_digits_as_the_energy_in_motion(moving: float, word
     }
     history = Rows({"energy.kinetic_J": np.array([0.0, moving])})
     result: Any = SimpleNamespace(status="completed", summary=summary, history=history)
+    assert trouble(result) == word
+
+
+@pytest.mark.parametrize(
+    ("reason", "gain", "word"),
+    [
+        (f"at t = 1 s: block {BEYOND_LAW}", 1e-6, ""),
+        (f"at t = 1 s: block {BEYOND_LAW}", 1e-4, "energy gain 1.0e-04"),
+        ("at t = 1 s: SNES", 1e-6, "not converged: at t = 1 s: SNES"),
+    ],
+)
+def test_a_run_that_ended_early_is_to_have_kept_its_energy(
+    reason: str, gain: float, word: str
+) -> None:
+    """And to have ended for that reason alone."""
+    energy = {"scale_J": 1.0, "largest_gain_fraction": gain, "ledger_error_fraction": 0.0}
+    history = Rows({"energy.kinetic_J": np.zeros(2)})
+    summary = {"reason": reason, "energy": energy}
+    result: Any = SimpleNamespace(status="not converged", summary=summary, history=history)
     assert trouble(result) == word
 
 
@@ -323,14 +365,17 @@ def test_tables() -> None:
     verdicts = [
         Verdict(family="f", row="r", column="1", verdict="holds", energy_gain=2e-9, ledger_error=0),
         Verdict(family="f", row="r", column="2", verdict="refused", reason="block.young: no"),
+        Verdict(family="f", row="r", column="3", verdict="ended", reason="block is"),
         Verdict(family="g", row="0", column="", verdict="failed", reason="not a number: x"),
     ]
     rows = list(csv.DictReader(io.StringIO(as_csv(verdicts))))
     assert rows[0]["energy_gain"] == "2e-09" and rows[1]["energy_gain"] == ""
     text = as_text(verdicts)
-    assert "r  2e-09  refused" in text and "g: 0 holds, 0 refused, 1 failed" in text
+    assert "r  2e-09  refused  ended" in text
+    assert "g: 0 holds, 0 ended, 0 refused, 1 failed" in text
+    assert "ended: f: r, 3: block is\n" in text
     assert "refused: f: r, 2: block.young: no" in text and "failed: g: 0: not a number: x" in text
-    assert sentence(verdicts).startswith("3 scenes: 1 holds, 1 refused, 1 failed")
+    assert sentence(verdicts).startswith("4 scenes: 1 holds, 1 ended, 1 refused, 1 failed")
 
 
 @pytest.mark.slow

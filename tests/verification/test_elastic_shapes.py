@@ -349,6 +349,36 @@ def test_shapes_stand_on_one_another(
     assert np.abs(history["top.slip_m"]).max() < 1e-6
 
 
+BOX_OF_THREE = {"width": 0.6, "height": 0.6, "cells": [3, 3]}
+CUBE_OF_THREE = {"width": 0.6, "height": 0.6, "thickness": 0.6, "cells": [3, 3, 3]}
+
+
+@pytest.mark.parametrize(
+    ("dimension", "below", "above"),
+    [
+        (2, {"shape": {"regular": 12}, "width": 0.6}, {"shape": {"regular": 12}, "width": 0.8}),
+        (2, BOX_OF_THREE, {"width": 0.8, "height": 0.3}),
+        (3, CUBE_OF_THREE, {"width": 0.8, "height": 0.3, "thickness": 0.8}),
+    ],
+    ids=["twelve corners", "box", "box in space"],
+)
+def test_forces_at_more_points_than_nodes_stay(
+    dimension: int, below: dict[str, Any], above: dict[str, Any]
+) -> None:
+    """A rigid block on an elastic one that ends under it: its grid, and the outline of that.
+
+    Nothing tells these forces from one another: as they drifted, those of a block at rest changed.
+    """
+    low = STONE | {"name": "low"} | below
+    top = STONE | {"name": "top", "on": "low", "model": "rigid"} | above
+    contact = {"friction": 0.5}
+    given = scene([low, top], 0.02, 1e-3, dimension=dimension, contact=contact)
+    history = run(given).history
+    weight = given.blocks[1].shape.mass * G
+    assert history["top.normal_force_N"] == pytest.approx(weight, rel=1e-7)
+    assert history["newton_iterations"].max() <= 2
+
+
 # ---------------------------------------------------------------- hollow ones, and feet
 
 
