@@ -58,8 +58,9 @@ class Snapshots:
             elif isinstance(body, DenseBody):
                 corners = body.corners if isinstance(body, RigidBox) else platform_corners(scene)
                 solid = body.shape.solid if isinstance(body, RigidBox) else None
-                own = one_cell(corners)
-                if solid is not None:
+                if solid is None:
+                    own = one_cell(corners)
+                else:
                     own = triangles(corners, loops_of(solid.parts))
                 writer = files.body(body.name, own)
                 self._bodies.append(RigidFields(run, number, body, corners, writer))
