@@ -80,16 +80,18 @@ class NearGround(Plane):
     def __init__(self, share: float):
         """Take the share of its gap that each point keeps."""
         level = Plane.level(2)
-        super().__init__(level.frame, level.origin)
+        super().__init__(level.reference_frame, level.origin)
         self.share = share
         self.places: Array | None = None
         """Places of the points on the undeformed body, (points, 2), m."""
 
-    def kinematics(self, position: Array, carrier: SurfaceState | None) -> ContactKinematics:
+    def kinematics(
+        self, position: Array, carrier: SurfaceState | None, frame: Array
+    ) -> ContactKinematics:
         """Gaps and tangential positions of points in space."""
         if self.places is not None:
             position = position - (1 - self.share) * self.places * (0.0, 1.0)
-        return super().kinematics(position, carrier)
+        return super().kinematics(position, carrier, frame)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,7 +11,7 @@ from solver.contact.body_points import NitschePoints
 from solver.contact.carriers import Carrier
 from solver.contact.interface import Interface
 from solver.contact.nitsche_points import contact_points
-from solver.contact.pairs import Bodies, Link
+from solver.contact.pairs import Bodies, Link, PairSearch
 from solver.contact.quadrature import Cut
 from solver.scene import FrictionSpec
 
@@ -20,17 +20,15 @@ class FixedPair:
     """One interface, always active; a `ContactPair`."""
 
     turns = False
-    slack, reach = np.inf, 0.0
 
     def __init__(self, interface: Interface, *, body: int = 0, on: int | None = None):
         """Take the interface, and the numbers of the body of its points and of what they touch."""
         self.body, self.on = body, on
-        self.looked: tuple[tuple[()]] | None = ((),)
         self._links = (Link(interface, body, on),)
 
-    def active(self, bodies: Bodies, before: tuple[()] | None) -> tuple[()]:
+    def search(self, bodies: Bodies, before: tuple[()] | None) -> PairSearch:
         """No face ever joins."""
-        return ()
+        return PairSearch((), slack=np.inf, reach=0.0)
 
     def overlaps(self, bodies: Bodies) -> bool:
         """False: only pairs of which nothing is active are asked."""

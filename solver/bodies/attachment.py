@@ -16,6 +16,7 @@ import scipy.sparse as sp
 import ufl
 from dolfinx import fem, geometry, la, mesh
 
+from solver.bodies.body import Body
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.packed_form import PackedForm
 from solver.bodies.reduced_body import ReducedBody
@@ -62,13 +63,26 @@ class MeshedAttachment:
         target += self.rows.T @ force.ravel()
 
 
-class RigidAttachment:
-    """Places of a rigid body: sums of material points."""
+class RigidPlace(NamedTuple):
+    """A place of a rigid body: a sum of material points.
 
-    def __init__(self, body: DenseBody, points: Array, shares: Array):
-        """Take points, (m, d), m, and by how much each counts in each place, (n, m)."""
-        self.body, self.count = body, len(shares)
-        self._points, self._shares = points, shares
+    Attributes:
+        points: The points, (m, d), m.
+        shares: By how much each counts, (m,).
+    """
+
+    points: Array
+    shares: Array
+
+
+class RigidAttachment:
+    """Places of a rigid body."""
+
+    def __init__(self, body: DenseBody, places: Sequence[RigidPlace]):
+        """Take the body and its places."""
+        self.body, self.count = body, len(places)
+        self._points = np.concatenate([place.points for place in places])
+        self._shares: Array = sp.block_diag([place.shares[None] for place in places]).toarray()
 
     def values(self, u: Array) -> Array:
         """The places for the owned unknowns u, (n, d); collective."""
@@ -93,6 +107,14 @@ class RigidAttachment:
 
 Attachment = MeshedAttachment | RigidAttachment
 """Places of a body."""
+
+
+def attachment_of(body: Body, places: Sequence[Any]) -> Attachment:
+    """The places of a body, each of the kind that it has."""
+    if isinstance(body, DenseBody):
+        return RigidAttachment(body, places)
+    assert isinstance(body, ElasticBody | ReducedBody)
+    return MeshedAttachment(body, places)
 
 
 def point_of(body: ElasticBody, place: Array) -> MeshedPlace:

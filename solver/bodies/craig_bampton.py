@@ -68,7 +68,7 @@ def linearised(body: ElasticBody, load: Array) -> Linearised:
         NotConverged: There is none: it buckles.
     """
     undeformed, mass = compressed_rows(body.stiffness_matrix), compressed_rows(body.mass_matrix)
-    u = np.zeros(body.size)
+    u: Array = np.zeros(body.size)
     for _ in range(MOST_CORRECTIONS):
         body.begin_static(u)
         force = body.internal_force(u, static=True)

@@ -5,10 +5,8 @@ All vectors hold the owned unknowns of a rank, node by node, and belong to the w
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from petsc4py import PETSc
 
@@ -17,8 +15,9 @@ import ufl
 from dolfinx import fem, la, mesh
 from numpy.typing import NDArray
 
+from solver.bodies.body import Body
 from solver.bodies.elastic_forms import ElasticForms, Moduli, Region, StrainWeights, differs
-from solver.bodies.factorization import Factorization
+from solver.bodies.factorization import Factorization, MassInverse
 from solver.bodies.kinematics import RigidMotion
 from solver.bodies.mass_properties import MassProperties
 from solver.bodies.packed_form import PackedForm
@@ -65,56 +64,7 @@ class GroundSpring:
         return PackedForm(pushed * ds).matrix()
 
 
-class DampedBody(ABC):
-    """A body that deforms, with Rayleigh damping, and perhaps springs to the ground.
-
-    Attributes:
-        damping: Its Rayleigh damping.
-        delay: Dashpots over springs to the ground, s.
-        has_spring: True if springs tie it to the ground.
-    """
-
-    damping: DampingSpec
-    delay: float
-    has_spring: bool
-    _factorizations: dict[TangentWeights, Any]
-
-    @abstractmethod
-    def inertia(self, vector: Array) -> Array:
-        """M x."""
-
-    @abstractmethod
-    def spring(self, vector: Array) -> Array | None:
-        """Force of the springs to the ground for a displacement; None without them."""
-
-    def dashpot(self, velocity: Array) -> Array:
-        """Force of the dashpots beside the springs to the ground, which there are."""
-        spring = self.spring(velocity)
-        assert spring is not None
-        return self.delay * spring
-
-    def drag(self, velocity: Array) -> Array | None:
-        """C v: mass-proportional damping and the dashpots; None without both."""
-        force = self.damping.mass * self.inertia(velocity) if self.damping.mass else None
-        if self.delay and self.has_spring:
-            dashpot = self.dashpot(velocity)
-            force = dashpot if force is None else force + dashpot
-        return force
-
-    def weights(self, scheme: GeneralizedAlpha, dt: float) -> TangentWeights:
-        """Weights of the tangent in a step."""
-        return scheme.weights(dt, self.damping.mass, self.damping.stiffness, self.delay)
-
-    def settled(self, u: Array) -> Array:
-        """The unknowns that the next step starts from: those at the end of this one."""
-        return u
-
-    def forget(self, weights: TangentWeights) -> None:
-        """Drop a factorization; it is made anew when needed."""
-        self._factorizations.pop(weights, None)
-
-
-class ElasticBody(DampedBody):
+class ElasticBody(Body):
     """Forces, energies and tangents of one meshed body."""
 
     def __init__(
@@ -160,6 +110,8 @@ class ElasticBody(DampedBody):
         self._properties = own = MassProperties(self.comm, self.nodes, self.inertia)
         self.mass, self.centre, self.arm = own.mass, own.centre, own.arm
         self.directional_mass = own.directional
+        length = 1.0 if self.dimension == 2 else float(np.cbrt(own.mass / self.material.density))
+        self.rigidity = self.material.longitudinal * length
 
     def _discretise(self, domain: mesh.Mesh, degree: int) -> None:
         """The space of displacements: its size, nodes, functions, and vectors that are kept."""
@@ -239,7 +191,7 @@ class ElasticBody(DampedBody):
         error of the angle (rad) stretches it by its square, which takes a correction more.
         """
         if self.clamped:
-            return u + dt * v
+            return super().extrapolated(u, v, dt, angle, motion)
         after, way = np.empty(len(u)), dt * motion.velocity
         meshed.move_on(self.arm, u, motion.moved, angle, way, after)
         return after
@@ -251,12 +203,6 @@ class ElasticBody(DampedBody):
         turned = np.empty(len(force))
         meshed.turn_all(force, vector, turned)
         return turned
-
-    @property
-    def rigidity(self) -> float:
-        """Order of magnitude of the body's stiffness against forces on its surface, N/m."""
-        length = 1.0 if self.dimension == 2 else float(np.cbrt(self.mass / self.material.density))
-        return self.material.longitudinal * length
 
     def rotation(self, u: Array) -> Array:
         """The rotation R that fits the displacement u best, (d, d)."""
@@ -382,6 +328,10 @@ class ElasticBody(DampedBody):
             self.factorizations += 1
             self.solvers.add(self._factorizations[weights].name)
         return self._factorizations[weights]
+
+    def mass_inverse(self) -> MassInverse:
+        """The factorized mass."""
+        return MassInverse(self.mass_matrix, self.fixed, self.dimension)
 
     def hold(self, matrix: PETSc.Mat) -> PETSc.Mat:
         """Identity rows and columns for clamped unknowns, in place."""

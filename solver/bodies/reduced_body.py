@@ -15,8 +15,9 @@ import numpy as np
 import scipy.linalg as la
 from numpy.typing import NDArray
 
+from solver.bodies.body import Body
 from solver.bodies.craig_bampton import Bound, InnerBasis, ReducedMatrices, Shapes
-from solver.bodies.elastic_body import DampedBody, ElasticBody
+from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.kinematics import RigidMotion
 from solver.bodies.surface_layer import Layer
 from solver.parallel import global_sum
@@ -93,7 +94,7 @@ class ReducedParts(NamedTuple):
     """The body that it stands for."""
 
 
-class ReducedBody(DampedBody):
+class ReducedBody(Body):
     """Forces, energies and tangents of a reduced body; it offers what `ElasticBody` does.
 
     With M, K about the equilibrium under weight and K_0 of the undeformed body, all projected,
@@ -102,7 +103,6 @@ class ReducedBody(DampedBody):
     """
 
     clamped = True
-    """It stands on the ground, and does not turn."""
 
     def __init__(self, comm: MPI.Intracomm, facts: ReducedFacts, parts: ReducedParts | None):
         """Take what all ranks have, and on rank 0 the parts."""
@@ -163,20 +163,6 @@ class ReducedBody(DampedBody):
         own = np.concatenate([self.directional_mass @ v, [v @ self.inertia(v)]])
         total = global_sum(self.comm, own) / self.mass
         return max(0.0, float(total[-1] - total[:-1] @ total[:-1]))
-
-    def extrapolated(
-        self, u: Array, v: Array, dt: float, angle: Array, motion: RigidMotion
-    ) -> Array:
-        """The owned unknowns after dt if nothing acted on the body."""
-        return u + dt * v
-
-    def turned(self, force: Array, vector: Array) -> Array:
-        """The force itself, since the body does not turn."""
-        return force
-
-    def rotation(self, u: Array) -> Array:
-        """The identity, (d, d), since the body does not turn."""
-        return self.identity
 
     def begin_step(self, u_old: Array, scheme: GeneralizedAlpha, dt: float) -> None:
         """Fix what a step of length `dt` starts from."""
@@ -317,6 +303,10 @@ class _PartOfLayer(Layer):
         """Take the layer and the places of the nodes in it."""
         self._whole, self._chosen = whole, chosen
         self.size, self.direct = len(chosen), False
+
+    def part(self, chosen: NDArray[np.int64]) -> Layer:
+        """The layer of some of its nodes, in the order of their places here."""
+        return _PartOfLayer(self._whole, self._chosen[chosen])
 
     def gather(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Values of the chosen nodes."""

@@ -21,26 +21,25 @@ work on Psi, and like contact forces it acts as an impulse: the inertia force p 
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 
 from mpi4py import MPI
 
 import numpy as np
 
 from geometry.block import Block
+from solver.bodies.body import Body
 from solver.bodies.kinematics import RigidMotion, rotation_vector, turn
+from solver.scene.damping import DampingSpec
 from solver.scheme.generalized_alpha import GeneralizedAlpha, TangentWeights
 from solver.types import Array
 
 
-class DenseBody(ABC):
-    """A body with a diagonal mass and, perhaps, a spring and a dashpot to the ground.
+class DenseBody(Body):
+    """A body with a diagonal mass and, perhaps, a spring and a dashpot to the ground."""
 
-    Attributes:
-        turns: True if it can: the rows of one that cannot are the same in all configurations.
-    """
-
-    turns: bool
+    damping = DampingSpec()
+    rigidity = 0.0
 
     def __init__(
         self,
@@ -66,7 +65,9 @@ class DenseBody(ABC):
         self.dimension, self.unknowns = translations.shape
         self.own = slice(0, self.unknowns if comm.rank == 0 else 0)
         self.size = self.own.stop
-        self.diagonal, self.stiffness, self.dashpot = mass, stiffness, dashpot
+        self.diagonal, self._stiffness, self._dashpot = mass, stiffness, dashpot
+        self.has_spring, self.delay = bool(stiffness), dashpot / stiffness if stiffness else 0.0
+        self._factorizations = {}  # none is worth keeping
         self._translations = translations[:, self.own]
         self.directional_mass = (translations * mass)[:, self.own]
         self.mass = float(mass[0])
@@ -89,68 +90,30 @@ class DenseBody(ABC):
         """Sum of the forces on the owned unknowns along each direction, (d,), N."""
         return np.asarray(self._translations @ force)
 
-    def begin_step(self, u_old: Array, scheme: GeneralizedAlpha, dt: float) -> None:
-        """Prepare for a step or an equilibrium: a body without strain needs no preparation."""
-
-    def begin_static(self, u: Array) -> None:
-        """Prepare for a step or an equilibrium: a body without strain needs no preparation."""
-
-    def internal_force(self, u: Array, *, static: bool = False) -> Array | None:
-        """Internal force of strain: None, because the body does not deform."""
-        return None
-
-    def impulsive_force(self, u: Array, dt: float) -> Array | None:
-        """Internal force of strain: None, because the body does not deform."""
-        return None
-
-    def settled(self, u: Array) -> Array:
-        """The unknowns that the next step starts from: those at the end of this one."""
-        return u
-
-    @property
-    def has_spring(self) -> bool:
-        """True if a spring holds it to the ground."""
-        return bool(self.stiffness)
-
     def spring(self, vector: Array) -> Array | None:
         """Force of the spring to the ground for a displacement; None without one."""
-        return self.stiffness * vector if self.stiffness else None
+        return self._stiffness * vector if self._stiffness else None
 
     def drag(self, velocity: Array) -> Array | None:
         """C v of the dashpot; None without one."""
-        return self.dashpot * velocity if self.dashpot else None
-
-    def weights(self, scheme: GeneralizedAlpha, dt: float) -> TangentWeights:
-        """Weights of the tangent in a step."""
-        ratio = self.dashpot / self.stiffness if self.stiffness else 0.0
-        return scheme.weights(dt, spring_damping=ratio)
+        return self._dashpot * velocity if self._dashpot else None
 
     def way(self, change: Array) -> float:
         """The farthest that any of its points moves by a change of the owned unknowns, m."""
         return float(np.linalg.norm(change))
 
-    def tangent(self, weights: TangentWeights) -> Array:
+    def factorization(self, weights: TangentWeights) -> Array:
         """Diagonal of the tangent."""
-        return weights.mass * self.diagonal + weights.spring * self.stiffness
+        return weights.mass * self.diagonal + weights.spring * self._stiffness
+
+    def mass_inverse(self) -> Array:
+        """Diagonal of the mass."""
+        return self.diagonal
 
     def round_off(self, u: Array, weights: TangentWeights) -> float:
         """Square of the residual that round-off leaves at u; this rank's part."""
         scale = np.finfo(float).eps * weights.mass * self.diagonal[self.own]
         return float(((scale * u) ** 2).sum())
-
-    def turned(self, force: Array, vector: Array) -> Array:
-        """The same: generalized forces know of no frame."""
-        return force
-
-    @abstractmethod
-    def rigid_motion(self, u: Array, v: Array) -> RigidMotion:
-        """The unknowns or some of them, on every rank."""
-
-    def extrapolated(
-        self, u: Array, v: Array, dt: float, angle: Array, motion: RigidMotion
-    ) -> Array:
-        """The owned unknowns after dt if nothing acted on the body."""
-        return u + dt * v
 
     @abstractmethod
     def material_positions(self, points: Array, values: Array) -> Array:
@@ -164,15 +127,11 @@ class DenseBody(ABC):
     def increment_rows(self, points: Array, old: Array, new: Array) -> Array:
         """Rows whose product with new - old is exactly the change of position."""
 
-    def rotation(self, u: Array) -> Array:
-        """The rotation of the body, (d, d), on every rank."""
-        return np.eye(self.dimension)
-
 
 class Oscillator(DenseBody):
     """A rigid platform on a horizontal spring and dashpot: one unknown, in space two."""
 
-    turns = False
+    clamped = True
 
     def __init__(
         self,
@@ -237,7 +196,7 @@ class RigidBox(DenseBody):
         corners: Of the unrotated block, in the order of `Block.corners`, m.
     """
 
-    turns = True
+    clamped = False
 
     def __init__(
         self,

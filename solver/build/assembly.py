@@ -10,6 +10,7 @@ from mpi4py import MPI
 
 import numpy as np
 
+from solver.bodies.body import Body
 from solver.bodies.rigid_body import RigidBox
 from solver.build.attached import attached_of
 from solver.build.block_body import BlockBody, block_body
@@ -23,7 +24,7 @@ from solver.scheme.generalized_alpha import GeneralizedAlpha
 from solver.stepping.contact_solve import StepFailed
 from solver.stepping.state import State
 from solver.stepping.stepper import Stepper
-from solver.stepping.system import Body, System
+from solver.stepping.system import System
 from solver.types import Array
 
 
@@ -65,7 +66,7 @@ def build(
     bodies += [member.body for member in members]
     if support.body is not None:
         bodies.append(support.body)
-    floor = FloorSurface(support.carrier(), support.number, scene.dimension)
+    floor = FloorSurface(support.carrier, support.number, scene.dimension)
     carried = [_below(scene, member, members, floor) for member in members]
     pairs = [
         FacePair(
@@ -175,12 +176,12 @@ def initial_state(scene: Scene, assembly: Assembly) -> tuple[State, str]:
 def _placed(member: BlockBody) -> tuple[Array, Array]:
     """Initial displacement and velocity of the owned unknowns of a block."""
     body, spec = member.body, member.spec
-    centre, rotation = member.stand(body.centre[None])[0], member.stand.rotation
+    centre, rotation = member.start(body.centre[None])[0], member.start.rotation
     if isinstance(body, RigidBox):
         linear, spin = np.asarray(spec.velocity), np.atleast_1d(spec.angular_velocity)
         speed = body.initial_velocity(linear, spin, rotation)
         return body.initial(centre - body.centre, rotation), speed
-    place = member.stand(body.nodes)
+    place = member.start(body.nodes)
     arm = place - centre
     velocity = np.tile(np.asarray(spec.velocity, dtype=float), (len(arm), 1))
     if body.dimension == 2:

@@ -29,7 +29,7 @@ class BlockBody:
         body: The body.
         number: Of the body in the system.
         upright: From the block's own frame to the body's reference configuration.
-        stand: From there to where it begins.
+        start: From there to where it begins.
         surface: Its surface, that of its convex hull.
         parts: Those of its convex parts; of a convex body its surface.
         facet_tags: Of its mesh; None: it is rigid.
@@ -40,7 +40,7 @@ class BlockBody:
     body: ElasticBody | RigidBox
     number: int
     upright: Pose
-    stand: Pose
+    start: Pose
     surface: BlockSurface
     parts: tuple[BlockSurface, ...]
     facet_tags: MeshTags | None = None
@@ -48,7 +48,7 @@ class BlockBody:
 
 
 def block_body(
-    scene: Scene, number: int, upright: Pose, stand: Pose, comm: MPI.Intracomm
+    scene: Scene, number: int, upright: Pose, start: Pose, comm: MPI.Intracomm
 ) -> BlockBody:
     """A block by its number: meshed upright at its place, or rigid; collective."""
     spec, d = scene.blocks[number], scene.dimension
@@ -80,4 +80,4 @@ def block_body(
         )
         for each in faces or faces_of_block(spec.shape, d)
     )
-    return BlockBody(spec, body, number, upright, stand, hull, tuple(parts) or (hull,), facet_tags)
+    return BlockBody(spec, body, number, upright, start, hull, tuple(parts) or (hull,), facet_tags)

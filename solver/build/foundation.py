@@ -76,48 +76,42 @@ class FoundationBody:
     """The support of the blocks.
 
     Attributes:
-        dimension: Of space.
+        carrier: The surface that blocks stand on.
         number: Of its body in the system; None for what does not move.
         body: The body; None for what does not move.
-        width: Of a plate that is fully restrained and not meshed, m; None for all others.
-        thickness: The same of its thickness.
         surface: Facets of the top of a meshed one.
         held: Linear displacements on the mesh of a fully restrained plate, all of them zero.
         storeys: Parts of a meshed one that moves as a whole.
         reduction: What a reduced one keeps of its mesh; None for others.
     """
 
-    dimension: int
+    carrier: Carrier
     number: int | None = None
     body: Oscillator | ElasticBody | ReducedBody | None = None
-    width: float | None = None
-    thickness: float | None = None
     surface: Facets | None = None
     held: fem.FunctionSpace | None = None
     storeys: Storeys = NO_STOREYS
     reduction: Reduction | None = None
 
-    def carrier(self) -> Carrier:
-        """The surface that blocks stand on."""
-        frame = level_frame(self.dimension)
-        if isinstance(self.body, ElasticBody | ReducedBody):
-            assert self.surface is not None
-            surface, nodes = self.surface, self.surface.nodes
-            points = NodePoints(self.body, surface.layer, surface.positions)
-            return Face(points, nodes, frame, surface.cell, surface.degree)
-        if self.surface is not None:
-            return _fixed_face(self.surface.positions, frame)
-        if self.width is not None:
-            sides = np.array([self.width, self.thickness or self.width, 0.0])
-            half = 0.5 * sides[[0, 2] if self.dimension == 2 else [0, 1, 2]]
-            return _fixed_face(np.array([-half, half]), frame)
-        if isinstance(self.body, Oscillator):
-            platform = RigidPoints(self.body, np.zeros((1, self.dimension)))
-            return Plane.level(self.dimension, platform)
-        return Plane.level(self.dimension)
+    @classmethod
+    def on_facets(
+        cls,
+        number: int,
+        body: ElasticBody | ReducedBody,
+        surface: Facets,
+        storeys: Storeys = NO_STOREYS,
+        reduction: Reduction | None = None,
+    ) -> FoundationBody:
+        """A meshed body that carries blocks on these facets."""
+        nodes, frame = (
+            NodePoints(body, surface.layer, surface.positions),
+            level_frame(body.dimension),
+        )
+        top = Face(nodes, surface.nodes, frame, surface.cell, surface.degree)
+        return cls(top, number, body, surface, storeys=storeys, reduction=reduction)
 
 
-def _fixed_face(positions: Array, frame: Array) -> Face:
+def _fixed_face(positions: Array) -> Face:
     """The level rectangle around some positions (n, d), m, as a face of one facet that is fixed.
 
     On what neither rises nor is stretched all facets are one.
@@ -125,7 +119,7 @@ def _fixed_face(positions: Array, frame: Array) -> Face:
     low, high = positions.min(axis=0), positions.max(axis=0)
     ends = np.array(list(product((0, 1), repeat=len(low) - 1)))[:, ::-1]  # as basix counts corners
     corners = low + np.column_stack([ends, np.zeros(len(ends))]) * (high - low)
-    cell = "interval" if len(low) == 2 else "quadrilateral"
+    cell, frame = "interval" if len(low) == 2 else "quadrilateral", level_frame(len(low))
     return Face(FixedPoints(corners), np.arange(len(corners))[None], frame, cell)
 
 
@@ -134,7 +128,7 @@ def with_top(
 ) -> FoundationBody:
     """A meshed body that carries blocks on its top."""
     surface = carrier_surface(body.space, made.facet_tags, int(FacetTag.TOP))
-    return FoundationBody(body.dimension, number, body, surface=surface, storeys=storeys)
+    return FoundationBody.on_facets(number, body, surface, storeys)
 
 
 def damping_of(
@@ -283,7 +277,7 @@ def foundation(
 @singledispatch
 def _built(spec: Foundation, scene: Scene, number: int, comm: MPI.Intracomm) -> FoundationBody:
     """The foundation of a kind: rigid ground, unless a builder is registered below."""
-    return FoundationBody(scene.dimension)
+    return FoundationBody(Plane.level(scene.dimension))
 
 
 @_built.register
@@ -299,7 +293,8 @@ def _oscillator(
         dimension=scene.dimension,
         comm=comm,
     )
-    return FoundationBody(scene.dimension, number, body)
+    top = RigidPoints(body, np.zeros((1, scene.dimension)))
+    return FoundationBody(Plane.level(scene.dimension, top), number, body)
 
 
 @_built.register
@@ -311,7 +306,9 @@ def _plate(spec: PlateSpec, scene: Scene, number: int, comm: MPI.Intracomm) -> F
     if spec.support == "fixed":
         if spec.meshed:
             return _held_plate(spec, scene, comm)
-        return FoundationBody(scene.dimension, width=spec.width, thickness=spec.thickness)
+        sides = np.array([spec.width, spec.thickness or spec.width, 0.0])
+        half = 0.5 * sides[[0, 2] if scene.dimension == 2 else [0, 1, 2]]
+        return FoundationBody(_fixed_face(np.array([-half, half])))
     damping = damping_of(scene, spec, lambda own: _plate_body(spec, scene, None, own)[0])
     return with_top(*_plate_body(spec, scene, damping, comm), number)
 
@@ -321,7 +318,7 @@ def _held_plate(spec: PlateSpec, scene: Scene, comm: MPI.Intracomm) -> Foundatio
     made = _plate_mesh(spec, scene, comm)
     space = fem.functionspace(made.mesh, ("Lagrange", 1, (scene.dimension,)))
     surface = carrier_surface(space, made.facet_tags, int(FacetTag.TOP))
-    return FoundationBody(scene.dimension, surface=surface, held=space)
+    return FoundationBody(_fixed_face(surface.positions), surface=surface, held=space)
 
 
 def _plate_mesh(spec: PlateSpec, scene: Scene, comm: MPI.Intracomm) -> MeshedBody:
@@ -451,7 +448,7 @@ def reduced_foundation(
         body, layer = ReducedBody(comm, facts, None), ReducedLayer(comm, none, _none(0), size)
         storeys = Storeys([Foot(none, centre) for centre in centres], [_none(d - 1)] * floors)
     surface = Facets(**face, layer=layer)
-    return FoundationBody(d, number, body, surface=surface, storeys=storeys, reduction=reduction)
+    return FoundationBody.on_facets(number, body, surface, storeys, reduction)
 
 
 def _reduced(scene: Scene, full: FoundationBody, ground: GroundMotion) -> Reduced:

@@ -1,7 +1,7 @@
 """Surface points of bodies as contact sees them: where they are, and forces put on them.
 
-Three kinds with the same four verbs: points with Nitsche tractions on a meshed body, nodes of a
-meshed body, material points of a rigid one.
+They are points with Nitsche tractions on a meshed body, nodes of a meshed body, material points of
+a rigid one, or points that stand still.
 """
 
 from __future__ import annotations
@@ -51,6 +51,10 @@ class FixedPoints:
         self.count, self.dimension = positions.shape
         self.size = float(np.max(np.ptp(positions, axis=0)))
 
+    def some(self, chosen: Indices) -> FixedPoints:
+        """Some of the points."""
+        return FixedPoints(self.reference[chosen])
+
     def observe(self, u: Array | None) -> PointState:
         """Positions of the points, which never change."""
         return PointState(self.reference)
@@ -64,35 +68,21 @@ class FixedPoints:
 
 
 class NodePoints:
-    """Nodes of a meshed body.
+    """Nodes of a meshed body: those of a layer, in its order."""
 
-    Attributes:
-        layer: Nodes of the body, these among them.
-        positions: Undeformed positions of all nodes of the layer, (n, d), m.
-        numbers: Where they stand in what the layer reaches.
-    """
-
-    def __init__(
-        self,
-        body: ElasticBody | ReducedBody,
-        layer: Layer,
-        positions: Array,
-        *,
-        chosen: Indices | None = None,
-    ):
-        """Take nodes of a layer, all or some; their undeformed `positions`, m, are (n, d)."""
-        self.body, self.layer, self.positions = body, layer, positions
-        self.chosen = np.arange(layer.size) if chosen is None else chosen
-        self._all = chosen is None
-        self.numbers: Indices = layer.numbers(self.chosen)
-        self.reference: Array = positions[self.chosen]
-        self.count, self.dimension = len(self.chosen), positions.shape[1]
+    def __init__(self, body: ElasticBody | ReducedBody, layer: Layer, positions: Array):
+        """Take the layer, and the undeformed positions of its nodes, (n, d), m."""
+        self.body, self.layer, self.reference = body, layer, positions
+        self.count, self.dimension = positions.shape
         self.size = float(np.max(np.ptp(positions, axis=0)))
+
+    def some(self, chosen: Indices) -> NodePoints:
+        """Some of the points; collective."""
+        return NodePoints(self.body, self.layer.part(chosen), self.reference[chosen])
 
     def _gather(self, values: Array) -> Array:
         """Nodal values, (n, d), from owned unknowns."""
-        nodes = self.layer.gather(values.reshape(-1, self.dimension))
-        return nodes if self._all else nodes[self.chosen]
+        return self.layer.gather(values.reshape(-1, self.dimension))
 
     def observe(self, u: Array | None) -> PointState:
         """Positions of the nodes for the owned unknowns u."""
@@ -106,10 +96,6 @@ class NodePoints:
 
     def add_forces(self, target: Array, old: SurfaceState, new: SurfaceState, force: Array) -> None:
         """Add forces on the nodes, (n, d), N, to the owned unknowns' forces."""
-        if not self._all:
-            whole = np.zeros((self.layer.size, self.dimension))
-            whole[self.chosen] = force
-            force = whole
         self.layer.add(target.reshape(-1, self.dimension), force)
 
 
@@ -122,6 +108,10 @@ class RigidPoints:
         self.area: Array = np.zeros(len(points)) if area is None else area
         self.count, self.dimension = points.shape
         self.size = float(np.max(np.ptp(points, axis=0)))
+
+    def some(self, chosen: Indices) -> RigidPoints:
+        """Some of the points."""
+        return RigidPoints(self.body, self.reference[chosen], self.area[chosen])
 
     def observe(self, u: Array | None) -> PointState:
         """Positions of the points for the owned unknowns u."""

@@ -2,8 +2,9 @@
 
 For points in space a carrier gives the gap g along the normal of the step's frame and the
 tangential position s, in the coordinates of its own material, so that the stick memory travels with
-it. The increments of both between two instants are products of its rows with increments of
-position, exactly: that is what makes the work of contact forces a difference of states.
+it. The frame of a step stands in the kinematics; a carrier itself never changes. The increments of
+g and s between two instants are products of its rows with increments of position, exactly: that is
+what makes the work of contact forces a difference of states.
 """
 
 from __future__ import annotations
@@ -34,15 +35,20 @@ class Carrier(Protocol):
     """True if its frame turns with its body."""
 
     @property
-    def frame(self) -> Array:
-        """Rows normal and tangents, (d, d); or one frame for each contact point, (m, d, d)."""
-
-    @property
     def points(self) -> FacePoints | None:
         """The carrier's own points, on which forces act; None for the ground."""
 
-    def kinematics(self, position: Array, carrier: SurfaceState | None) -> ContactKinematics:
-        """Gaps and tangential positions of points in space."""
+    @property
+    def reference_frame(self) -> Array:
+        """Rows normal and tangents of the undeformed carrier, (d, d)."""
+
+    def frame(self, rotation: Array) -> Array:
+        """Rows normal and tangents where its body has turned, (d, d)."""
+
+    def kinematics(
+        self, position: Array, carrier: SurfaceState | None, frame: Array
+    ) -> ContactKinematics:
+        """Gaps and tangential positions of points in space, in a frame of the carrier."""
 
     def vectors(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> Array:
         """Point forces (normal, tangential) as vectors in space, whose work is exact."""
@@ -58,9 +64,6 @@ class Carrier(Protocol):
     def carried(self, kinematics: ContactKinematics, values: Array) -> Array:
         """Vectors of the carrier's points, interpolated at the contact points; (1, d) on planes."""
 
-    def rotate_frame(self, rotation: Array) -> None:
-        """Let the frame of the coming step be that of the turned body."""
-
     def beyond_edge(self, kinematics: ContactKinematics) -> Mask | None:
         """Points beyond the edge of the carrier; None where it has none."""
 
@@ -69,7 +72,7 @@ class Plane:
     """An endless plane that does not turn: the ground's, or that of a rigid platform.
 
     Attributes:
-        frame: Rows normal and tangents, (d, d).
+        reference_frame: Rows normal and tangents, (d, d).
         origin: A point of it, m.
         points: One point of the platform that it belongs to; None for the ground.
     """
@@ -78,29 +81,33 @@ class Plane:
 
     def __init__(self, frame: Array, origin: Array, platform: RigidPoints | None = None):
         """Take rows normal and tangents, (d, d), a point of the plane, m, and one of a platform."""
-        self.frame, self.origin, self.points = np.ascontiguousarray(frame), origin, platform
+        self.reference_frame: Array = np.ascontiguousarray(frame)
+        self.origin, self.points = origin, platform
 
     @classmethod
     def level(cls, dimension: int, platform: RigidPoints | None = None) -> Plane:
         """The horizontal plane at level 0."""
         return cls(level_frame(dimension), np.zeros(dimension), platform)
 
-    def kinematics(self, position: Array, carrier: SurfaceState | None) -> ContactKinematics:
-        """Gaps and tangential positions of points in space."""
+    def frame(self, rotation: Array) -> Array:
+        """Rows normal and tangents, (d, d), which do not turn."""
+        return self.reference_frame
+
+    def kinematics(
+        self, position: Array, carrier: SurfaceState | None, frame: Array
+    ) -> ContactKinematics:
+        """Gaps and tangential positions of points in space, in a frame of the carrier."""
         origin = self.origin if carrier is None else self.origin + carrier.position[0]
-        place = in_frames(position - origin, self.frame)
-        return ContactKinematics(place, place, self.frame, carrier)
+        place = in_frames(position - origin, frame)
+        return ContactKinematics(place, place, frame, carrier)
 
     def vectors(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> Array:
         """Point forces (normal, tangential) as vectors in space, whose work is exact."""
-        return in_space(force, self.frame)
+        return in_space(force, new.frame)
 
     def work_defect(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> float:
         """Zero: the work of the vectors is exact."""
         return 0.0
-
-    def rotate_frame(self, rotation: Array) -> None:
-        """Leave the frame as it is: it does not turn."""
 
     def beyond_edge(self, kinematics: ContactKinematics) -> Mask | None:
         """None: it has no edge."""
@@ -182,8 +189,7 @@ class Face(FacetCarrier):
     Attributes:
         points: The nodes of the face.
         facets: Nodes of each facet, (facets, k).
-        frame: Rows normal and tangents of the coming step, (d, d).
-        reference_frame: Those of the undeformed face.
+        reference_frame: Rows normal and tangents of the undeformed face, (d, d).
         degree: Polynomial degree on a facet.
         margin: Part of a facet by which points may be beyond its edge.
         rings: Corners around the pieces of a face, (n, d), m, anticlockwise from outside, in the
@@ -214,7 +220,7 @@ class Face(FacetCarrier):
         frame = np.ascontiguousarray(frame)
         self.points, self.facets, self.degree = points, facets, degree
         self.turns = not isinstance(points, FixedPoints)
-        self.reference_frame = self.frame = frame
+        self.reference_frame = frame
         along = points.reference @ frame[1:].T
         kind = getattr(basix.CellType, cell)
         corners = len(basix.geometry(kind))
@@ -223,12 +229,14 @@ class Face(FacetCarrier):
         self.length = float(np.max(np.ptp(chains.reshape(-1, chains.shape[-1]), axis=0)))
         self.facet = float(np.min(np.max(np.ptp(chains, axis=1), axis=1)))
 
-    def rotate_frame(self, rotation: Array) -> None:
-        """Let the frame of the coming step be that of the turned body."""
-        self.frame = self.reference_frame @ rotation.T
+    def frame(self, rotation: Array) -> Array:
+        """Rows normal and tangents where its body has turned, (d, d)."""
+        return np.asarray(self.reference_frame @ rotation.T) if self.turns else self.reference_frame
 
-    def kinematics(self, position: Array, carrier: SurfaceState | None) -> ContactKinematics:
-        """Gaps and tangential positions of points in space."""
+    def kinematics(
+        self, position: Array, carrier: SurfaceState | None, frame: Array
+    ) -> ContactKinematics:
+        """Gaps and tangential positions of points in space, in a frame of the carrier."""
         assert carrier is not None
         (count, d), k = position.shape, self.facets.shape[1]
         closest = ClosestPoints(
@@ -240,21 +248,21 @@ class Face(FacetCarrier):
         )
         place = np.empty((count, d))
         meshed.project_onto_facets(
-            *self._shapes, position, carrier.position, self.frame, place, *closest
+            *self._shapes, position, carrier.position, frame, place, *closest
         )
-        return ContactKinematics(place, place, self.frame, carrier, Projection(closest))
+        return ContactKinematics(place, place, frame, carrier, Projection(closest))
 
     def vectors(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> Array:
         """Point forces as vectors in space such that their work on increments is exact."""
         vectors = np.empty(force.shape)
         before, after = foot_point_arrays(old), foot_point_arrays(new)
-        meshed.forces_in_space(*before, *after, self.frame, self.facet, force, vectors)
+        meshed.forces_in_space(*before, *after, new.frame, self.facet, force, vectors)
         return vectors
 
     def work_defect(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> float:
         """Work of the vectors of point forces less that of the forces on (g, s), J."""
         before, after = foot_point_arrays(old), foot_point_arrays(new)
-        return meshed.work_defect(*before, *after, self.frame, self.facet, force)
+        return meshed.work_defect(*before, *after, new.frame, self.facet, force)
 
     def can_touch(self, kinematics: ContactKinematics) -> Mask:
         """Points not so far behind the face that they can only have come there round its edge."""

@@ -18,7 +18,6 @@ the other work exactly f . (y_{n+1} - y_n). The frames (n, t) stand still within
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -34,7 +33,6 @@ from solver.contact.kinematics import (
     in_space,
 )
 from solver.contact.memory import Memory
-from solver.law.crossing import PARALLEL_ANGLE, STEEPEST_COSINE, TURNED_AWAY_COSINE
 from solver.scene import Bed, FrictionSpec
 from solver.types import Array, Indices, Mask
 
@@ -183,6 +181,18 @@ FAR_INSIDE = 0.01
 """Part of the face's length: a face that lies farther within the outline of the other crosses no
 edge."""
 
+PARALLEL_ANGLE = 1e-2
+"""Edges that enclose less than this angle (rad) are parallel and do not cross. The polygon in which
+two faces touch has hardly a corner there, and a crossing would run along both edges when they turn
+or bend a little. Where such an edge enters the other face, it touches along that face's normal."""
+
+STEEPEST_COSINE = 0.5
+"""Least cosine between the normal of two edges and that of the lower face: 60 degrees, as for the
+faces themselves. Where it is steeper, a corner is nearer than the crossing."""
+
+TURNED_AWAY_COSINE = 0.5
+"""Least cosine between the normal of the lower face and the opposite one of the upper face."""
+
 SHORT_WAY = 1e-7
 """Part of a segment: a shorter increment from one segment to the next has the direction of the
 segment on which it begins."""
@@ -204,21 +214,6 @@ NEXT, LAST = [1, 2, 0], [2, 0, 1]
 """The axes after each axis, and those before it."""
 
 
-@dataclass(frozen=True, slots=True)
-class EdgeEdgeContacts:
-    """Contacts between edges in a step: pairs that cross, and their frames.
-
-    Attributes:
-        frame: Normal and tangents of each pair, (count, 3, 3).
-        present: Pairs that cross, (count,).
-        start: The kinematics from which slip counts; None while it is being found.
-    """
-
-    frame: Array
-    present: Mask
-    start: ContactKinematics | None = None
-
-
 class Crossings(FacetCarrier):
     """Contacts between the edges of a lower face and those of an upper one; of rectangles 16 pairs.
 
@@ -227,7 +222,7 @@ class Crossings(FacetCarrier):
         upper: Outline of the face that points down.
         lower: Outline of the face that points up.
         points: The nodes of the lower outline.
-        detected: What is settled for the present step; `detect` settles it anew.
+        reference_frame: Normal and tangents of each pair before it ever crosses, (count, 3, 3).
     """
 
     def __init__(self, upper: Outline, lower: Outline, top: Face, bottom: Face):
@@ -248,53 +243,31 @@ class Crossings(FacetCarrier):
         self._nowhere = tuple(
             self._for_all(none, line.nowhere(line.points.reference)) for line in (lower, upper)
         )
-        self.detected = EdgeEdgeContacts(
-            frame=np.tile(np.eye(3), (self.count, 1, 1)),
-            present=np.zeros(self.count, dtype=np.bool_),
-        )
-
-    @property
-    def frame(self) -> Array:
-        """Normal and tangents of each pair, (count, 3, 3)."""
-        return self.detected.frame
-
-    @property
-    def present(self) -> Mask:
-        """Pairs that cross, (count,)."""
-        return self.detected.present
+        self.reference_frame: Array = np.tile(np.eye(3), (self.count, 1, 1))
 
     def detect(
-        self, edge: Array, face: SurfaceState, middle: tuple[Array, Array]
-    ) -> ContactKinematics:
-        """Settle frames and pairs of the coming step; returns from which kinematics slip counts.
+        self, edge: Array, face: SurfaceState, middle: tuple[Array, Array], frame: Array
+    ) -> tuple[ContactKinematics, Mask]:
+        """The kinematics from which slip counts in the coming step, and the pairs that cross in it.
 
         Args:
             edge: Where the nodes of the upper outline are at the start, (n, 3).
             face: Those of the lower one.
             middle: Where both are expected in the middle of the step.
+            frame: Frames so far, (count, 3, 3), which pairs that do not cross keep.
         """
-        frame = self.frame
         present: Mask = np.zeros(self.count, dtype=np.bool_)
         if self.depth_inside(*middle) <= 0.0:
-            frame, framed = self._turned(*middle)
-            self.detected = EdgeEdgeContacts(frame, framed)
+            frame, framed = self._turned(*middle, frame)
             end = 2 * middle[0] - edge, 2 * middle[1] - face.position
-            present = self.within(edge, face.position) | self.within(*end)
-        self.detected = EdgeEdgeContacts(frame, present)
-        kinematics = self.kinematics(edge, face)
-        self.detected = EdgeEdgeContacts(frame, present, kinematics)
-        return kinematics
+            present = self.within(edge, face.position, frame, framed)
+            present = present | self.within(*end, frame, framed)
+        return self.kinematics(edge, face, frame, present), present
 
     @property
     def one_place(self) -> float:
         """Distance within which a crossing and a corner are at one place, m."""
         return ONE_PLACE * self._facet
-
-    def leave_out(self, pairs: Indices) -> None:
-        """Let some pairs not cross in the present step."""
-        present = self.present.copy()
-        present[pairs] = False
-        self.detected = replace(self.detected, present=present)
 
     def depth_inside(self, edge: Array, face: Array) -> float:
         """Depth by which the upper face lies within the lower one, beyond `FAR_INSIDE`, m.
@@ -308,8 +281,8 @@ class Crossings(FacetCarrier):
         borders = np.sum(face[self.lower.corners] * inwards, axis=1)
         return float(np.min(corners - borders)) - FAR_INSIDE * self._length
 
-    def _turned(self, edge: Array, face: Array) -> tuple[Array, Mask]:
-        """Frames that have turned with the edges, and which pairs have one."""
+    def _turned(self, edge: Array, face: Array, before: Array) -> tuple[Array, Mask]:
+        """Frames that have turned with the edges, and which pairs have one; others as before."""
         i, j = self._edges
         over, under = self.upper.chords(edge), self.lower.chords(face)
         up = [crossed(chords[0], chords[1]) for chords in (over, under)]
@@ -323,73 +296,79 @@ class Crossings(FacetCarrier):
         level = np.abs(rise) > STEEPEST_COSINE * size
         good = crossing & level & (up[0] @ up[1] > TURNED_AWAY_COSINE)
         n = normal[good] / (np.sign(rise) * size)[good, None]
-        frame = self.frame.copy()
+        frame = before.copy()
         frame[good] = np.stack([n, under[j[good]], crossed(n, under[j[good]])], axis=1)
         return frame, np.asarray(good)
 
-    def within(self, edge: Array, face: Array) -> Mask:
-        """Present pairs that cross within both edges, not where a corner touches the other face."""
-        if not self.present.any():
-            return self.present
+    def within(self, edge: Array, face: Array, frame: Array, pairs: Mask) -> Mask:
+        """Those pairs that cross within both edges, not where a corner touches the other face."""
+        if not pairs.any():
+            return pairs
         i, j = self._edges
         over, under = self.upper.chords(edge), self.lower.chords(face)
         sine = np.linalg.norm(crossed(over[i], under[j]), axis=1)
-        t, s = self._fractions(np.arange(self.count), edge, face)
+        t, s = self._fractions(np.arange(self.count), edge, face, frame)
         beyond = [
             np.minimum(x, 1 - x) * sine / np.linalg.norm(other, axis=1)
             for x, other in ((t, under[j]), (s, over[i]))
         ]
-        return self.present & (beyond[0] > self._carried) & (beyond[1] > -self._reaches)
+        return pairs & (beyond[0] > self._carried) & (beyond[1] > -self._reaches)
 
-    def _fractions(self, pairs: Indices, edge: Array, face: Array) -> tuple[Array, Array]:
+    def _fractions(
+        self, pairs: Indices, edge: Array, face: Array, frame: Array
+    ) -> tuple[Array, Array]:
         """Crossings as fractions of the chords of both edges."""
         i, j = (which[pairs] for which in self._edges)
         over, under = self.upper.chords(edge)[i], self.lower.chords(face)[j]
         apart = face[self.lower.corners[j]] - edge[self.upper.corners[i]]
-        return self._solved(pairs, over, under, apart)
+        return _solved(frame[pairs], over, under, apart)
 
-    def _solved(self, pairs: Indices, a: Array, b: Array, apart: Array) -> tuple[Array, Array]:
-        """The x and y for which x a - y b is `apart` as seen along the normals; 0 if parallel."""
-        flat = self.frame[pairs, 1:]
-        (a0, a1), (b0, b1), (c0, c1) = (
-            np.einsum("mij,mj->im", flat, vectors) for vectors in (a, b, apart)
-        )
-        area = b0 * a1 - a0 * b1
-        area = np.where(area == 0, np.inf, area)
-        return (b0 * c1 - b1 * c0) / area, (a0 * c1 - a1 * c0) / area
+    def kinematics(
+        self,
+        position: Array,
+        carrier: SurfaceState | None,
+        frame: Array,
+        present: Mask | None = None,
+        start: ContactKinematics | None = None,
+    ) -> ContactKinematics:
+        """Gaps and slips at the crossings for positions of the upper outline's nodes.
 
-    def kinematics(self, position: Array, carrier: SurfaceState | None) -> ContactKinematics:
-        """Gaps and slips at the crossings for positions of the upper outline's nodes."""
+        Args:
+            position: The positions, (n, 3), m.
+            carrier: Of the lower outline.
+            frame: Normal and tangents of each pair, (count, 3, 3).
+            present: Pairs that cross, (count,); None: none.
+            start: From which slip counts; None: from here.
+        """
         assert carrier is not None
         place = np.zeros((self.count, 3))
         place[:, 0] = self._length
-        pairs = np.flatnonzero(self.present)
+        pairs = np.empty(0, dtype=np.int64) if present is None else np.flatnonzero(present)
         foot = self._nowhere[0].at(carrier.position)
         own = self._nowhere[1].at(position)
         if len(pairs):
-            upper, lower = self._places(pairs, position, carrier.position)
+            upper, lower = self._places(pairs, position, carrier.position, frame)
             apart = upper.carried(position) - lower.carried(carrier.position)
-            place[pairs, 0] = np.sum(apart * self.frame[pairs, 0], axis=1)
+            place[pairs, 0] = np.sum(apart * frame[pairs, 0], axis=1)
             foot, own = self._for_all(pairs, lower), self._for_all(pairs, upper)
-        kinematics = ContactKinematics(place, place, self.frame, carrier, foot, own)
-        start = self.detected.start
+        kinematics = ContactKinematics(place, place, frame, carrier, foot, own)
         if start is not None and len(pairs):
-            slip = in_frames(self._moved(start, kinematics), self.frame)
+            slip = in_frames(self._moved(start, kinematics), frame)
             place[pairs, 1:] = slip[pairs, 1:]
         return kinematics
 
     def _places(
-        self, pairs: Indices, edge: Array, face: Array
+        self, pairs: Indices, edge: Array, face: Array, frame: Array
     ) -> tuple[EdgeInterpolation, EdgeInterpolation]:
         """Crossings of the pairs on their edges: first of straight ones, then of segments."""
         i, j = (which[pairs] for which in self._edges)
-        t, s = self._fractions(pairs, edge, face)
+        t, s = self._fractions(pairs, edge, face, frame)
         for _ in range(CROSSING_ROUNDS):
             (over, x), (under, y) = self.upper.locate(i, t), self.lower.locate(j, s)
             apart = self.lower.spots(under, y, face).carried(face)
             apart -= self.upper.spots(over, x, edge).carried(edge)
             ways = self.upper.tangents(over, x, edge), self.lower.tangents(under, y, face)
-            dx, dy = self._solved(pairs, *ways, apart)
+            dx, dy = _solved(frame[pairs], *ways, apart)
             x, y = x + dx, y + dy
             if max(np.abs(dx).max(), np.abs(dy).max()) < CROSSING_SETTLED:
                 break
@@ -433,14 +412,15 @@ class Crossings(FacetCarrier):
             return vectors
         (a0, a1, _), (b0, b1, _) = self._increments(old, new)
         a, b = _way(self.upper, a0, a1, pressed), _way(self.lower, b0, b1, pressed)
-        frames, given = self.frame[pressed], force[pressed]
+        frames, given = new.frame[pressed], force[pressed]
         m = crossed(a, b)
         m /= np.sum(m * frames[:, 0], axis=1)[:, None]  # m = (a x b)/(n . (a x b))
         vectors[pressed] = given[:, :1] * m + in_space(given[:, 1:], frames[:, 1:])
         return vectors
 
-    def rotate_frame(self, rotation: Array) -> None:
-        """Leave the frames as they are: they are those of the edges, and `detect` turns them."""
+    def frame(self, rotation: Array) -> Array:
+        """Frames before any pair crosses, which turn with edges by `detect` alone."""
+        return self.reference_frame
 
     def work_defect(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> float:
         """Zero: the work of the vectors is exact."""
@@ -449,6 +429,16 @@ class Crossings(FacetCarrier):
     def beyond_edge(self, kinematics: ContactKinematics) -> Mask | None:
         """Points beyond an edge: of the pairs that may touch there are none."""
         return None
+
+
+def _solved(frame: Array, a: Array, b: Array, apart: Array) -> tuple[Array, Array]:
+    """The x and y for which x a - y b is `apart` as seen along the normals; 0 if parallel."""
+    (a0, a1), (b0, b1), (c0, c1) = (
+        np.einsum("mij,mj->im", frame[:, 1:], vectors) for vectors in (a, b, apart)
+    )
+    area = b0 * a1 - a0 * b1
+    area = np.where(area == 0, np.inf, area)
+    return (b0 * c1 - b1 * c0) / area, (a0 * c1 - a1 * c0) / area
 
 
 def crossed(a: Array, b: Array) -> Array:
@@ -489,41 +479,42 @@ class CrossingInterface(Interface):
         super().__init__(points, carrier, law, count=count, bed=bed, corner_area=corner_area)
         self.crossings = carrier
 
-    def first_seen(self, u: Array | None, carrier_u: Array | None) -> Observed:
-        """The pairs, and the edges that cross now."""
-        surface, carried = self._observed(u, carrier_u)
-        middle = surface.position, carried.position
-        return surface, self.crossings.detect(surface.position, carried, middle)
+    def start(
+        self, u: Array | None, carrier_u: Array | None, rotation: Array, carrier_rotation: Array
+    ) -> Memory:
+        """The memory of pairs without contact forces, with those that cross now."""
+        surface, carried = self._placed(u, carrier_u)
+        assert carried is not None
+        here, frame = (surface.position, carried.position), self.crossings.reference_frame
+        return self._begun(surface, *self.crossings.detect(surface.position, carried, here, frame))
 
-    def may_touch(self, rotation: Array, kinematics: ContactKinematics) -> Mask:
-        """Pairs that cross."""
-        return self.crossings.present.copy()
-
-    def _observed(
-        self, u: Array | None, carrier_u: Array | None
-    ) -> tuple[SurfaceState, SurfaceState]:
-        """Positions of the nodes of both outlines."""
-        return self.points.observe(u), self.crossings.points.observe(carrier_u)
+    def observe(self, u: Array | None, carrier_u: Array | None, since: Memory) -> Observed:
+        """The points, and the crossings of the pairs that cross in the step since a memory."""
+        surface, carried = self._placed(u, carrier_u)
+        start = since.kinematics
+        return surface, self.crossings.kinematics(
+            surface.position, carried, start.frame, since.may_touch, start
+        )
 
     def prepare(self, memory: Memory, u: Array | None, carrier_u: Array | None) -> Memory:
-        """Settle which edges cross in the coming step, and the frames.
+        """The memory that the coming step starts from: which edges cross in it, and the frames.
 
         Args:
             memory: Of t_n.
             u: Unknowns of the upper body expected in the middle of the step.
             carrier_u: Those of the lower one.
-
-        Returns:
-            The memory that the step starts from.
         """
-        assert memory.kinematics.carrier is not None
-        upper, lower = self._observed(u, carrier_u)
-        middle = upper.position, lower.position
-        kinematics = self.crossings.detect(
-            memory.surface.position, memory.kinematics.carrier, middle
+        upper, lower = self._placed(u, carrier_u)
+        before = memory.kinematics
+        assert before.carrier is not None and lower is not None
+        kinematics, present = self.crossings.detect(
+            memory.surface.position,
+            before.carrier,
+            (upper.position, lower.position),
+            before.frame,
         )
         begun = memory._replace(kinematics=kinematics, anchor=np.zeros_like(memory.anchor))
-        return begun.touching(self.crossings.present.copy())
+        return begun.touching(present)
 
     def without_corners(
         self, memory: Memory, edge: Interface, corners: Memory
@@ -554,8 +545,8 @@ class CrossingInterface(Interface):
         off = beyond[numbers[corner]]
         left = corners.may_touch.copy()
         left[numbers[corner[off]]] = False
-        self.crossings.leave_out(there[which[~off]])
-        stays = self.crossings.present.copy()
+        stays = memory.may_touch.copy()
+        stays[there[which[~off]]] = False
         return memory.touching(stays), corners.touching(left)
 
     def apart(self, surface: SurfaceState, kinematics: ContactKinematics) -> float:
@@ -565,5 +556,7 @@ class CrossingInterface(Interface):
 
     def inside(self, memory: Memory) -> Mask:
         """Pairs that cross at this instant, not only at some time in its step."""
-        assert memory.kinematics.carrier is not None
-        return self.crossings.within(memory.surface.position, memory.kinematics.carrier.position)
+        kinematics = memory.kinematics
+        assert kinematics.carrier is not None
+        places = memory.surface.position, kinematics.carrier.position
+        return self.crossings.within(*places, kinematics.frame, memory.may_touch)

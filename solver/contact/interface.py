@@ -139,40 +139,57 @@ class Interface:
         """The key of every point: face and place; it stays the same whatever faces join."""
         return self._keys
 
-    def observe(self, u: Array | None, carrier_u: Array | None) -> Observed:
-        """The points, and their kinematics over the carrier, for the unknowns of both bodies."""
-        surface, carrier = self.points.observe(u), self.carrier.points
-        return surface, self.over(surface, None if carrier is None else carrier.observe(carrier_u))
+    def observe(self, u: Array | None, carrier_u: Array | None, since: Memory) -> Observed:
+        """The points, and their kinematics over the carrier, for the unknowns of both bodies.
 
-    def over(self, surface: SurfaceState, carrier: SurfaceState | None) -> ContactKinematics:
-        """Kinematics of points over a carrier whose own points are at `carrier`.
+        In a step since a memory, in the frame of that.
+        """
+        surface, carrier = self._placed(u, carrier_u)
+        return surface, self.over(surface, carrier, since.kinematics.frame)
+
+    def _placed(
+        self, u: Array | None, carrier_u: Array | None
+    ) -> tuple[SurfaceState, SurfaceState | None]:
+        """The body's points and those of the carrier, for the unknowns of both."""
+        carrier = self.carrier.points
+        return self.points.observe(u), None if carrier is None else carrier.observe(carrier_u)
+
+    def over(
+        self, surface: SurfaceState, carrier: SurfaceState | None, frame: Array
+    ) -> ContactKinematics:
+        """Kinematics of points over a carrier whose own points are at `carrier`, in its frame.
 
         None for the ground.
         """
-        kinematics = self.carrier.kinematics(surface.position, carrier)
+        kinematics = self.carrier.kinematics(surface.position, carrier, frame)
         if not isinstance(surface, NitscheState):
             return kinematics
         y = np.empty(kinematics.place.shape)
         meshed.augment(kinematics.place, surface.traction, self.inverse_gamma, kinematics.frame, y)
         return kinematics._replace(augmented=y)
 
-    def first_seen(self, u: Array | None, carrier_u: Array | None) -> Observed:
-        """The interface where nothing of it is remembered."""
-        return self.observe(u, carrier_u)
-
-    def start(self, u: Array | None, carrier_u: Array | None, rotation: Array) -> Memory:
+    def start(
+        self, u: Array | None, carrier_u: Array | None, rotation: Array, carrier_rotation: Array
+    ) -> Memory:
         """The memory of points without contact forces, by the owned unknowns of both bodies.
 
-        They are None for the ground; `rotation` is that of the body of the points, (d, d).
+        They are None for the ground; the rotations of both are (d, d).
         """
-        surface, kinematics = self.first_seen(u, carrier_u)
+        surface, carrier = self._placed(u, carrier_u)
+        kinematics = self.over(surface, carrier, self.carrier.frame(carrier_rotation))
+        return self._begun(surface, kinematics, self.may_touch(rotation, kinematics))
+
+    def _begun(
+        self, surface: SurfaceState, kinematics: ContactKinematics, may_touch: Mask
+    ) -> Memory:
+        """The memory of points that have touched nothing yet."""
         y = kinematics.augmented
         return Memory(
             surface=surface,
             kinematics=kinematics,
             force=np.zeros_like(y),
             anchor=y[:, 1:].copy(),
-            may_touch=self.may_touch(rotation, kinematics),
+            may_touch=may_touch,
             past=new_pasts(self.count),
             compression=np.zeros(self.count),
         )
@@ -224,7 +241,7 @@ class Interface:
 
         Beyond an edge of the carrier nothing keeps a point from going below the surface, by a block
         that leans a little. Once back it is held where it is: to push it out would gain energy.
-        Points with tractions are pressed in, too; `rotate_frame` tells these apart.
+        Points with tractions are pressed in, too; `turned` tells these apart.
         """
         if self.corners is not None:
             return None
@@ -245,30 +262,13 @@ class Interface:
             on_points = spread(*places, vectors, self.points.count)
         return on_points, self.carrier.reaction(old, new, vectors)
 
-    def evaluate_forces(
-        self, before: Observed | None, at: Parts, force: Array, on: Parts, weights: ForceWeights
-    ) -> Observed:
-        """Observe the points and add forces on both bodies; returns the observation.
-
-        Args:
-            before: The interface at t_n, in the frame of the step; None in equilibrium: what is
-                seen counts at both ends.
-            at: The unknowns of both bodies.
-            force: Point forces f, (points, d), N.
-            on: Forces on these unknowns, which are added to.
-            weights: How they count.
-        """
-        seen = self.observe(*at)
-        self.add_forces(ContactIncrement(before or seen, seen, force), on, weights)
-        return seen
-
     def add_forces(self, increment: ContactIncrement, on: Parts, weights: ForceWeights) -> None:
         """Add the forces on both bodies to those on their unknowns, in place."""
         (old_surface, old), (surface, new), force = increment
         weighted, (on_body, on_carrier) = weights.points * force, on
         vectors, reaction = self.point_forces(old, new, weighted)
         if on_body is not None and isinstance(self.points, NitschePoints):
-            pull = self.traction_pull(weighted, weights) if self.theta else None
+            pull = self.traction_pull(weighted, new.frame, weights) if self.theta else None
             self.points.add_forces(on_body, old_surface, surface, vectors, pull)
         elif on_body is not None:
             self.points.add_forces(on_body, old_surface, surface, vectors)
@@ -277,12 +277,12 @@ class Interface:
             assert new.carrier is not None
             self.carrier.points.add_forces(on_carrier, old.carrier, new.carrier, reaction)
 
-    def traction_pull(self, force: Array, weights: ForceWeights) -> TractionPull:
+    def traction_pull(self, force: Array, frame: Array, weights: ForceWeights) -> TractionPull:
         """The factor of the discrete gradient of the traction in the theta term.
 
-        By weighted point forces w_c f at t_{n+1}, with their sign, (points, d), N.
+        By weighted point forces w_c f at t_{n+1}, with their sign, (points, d), N, in a frame.
         """
-        return TractionPull(self.pull_scale, force, self.carrier.frame, weights.old, weights.new)
+        return TractionPull(self.pull_scale, force, frame, weights.old, weights.new)
 
     def energy(self, memory: Memory) -> float:
         """Energy of the interface, sum of w (l - T).(l + theta T)/(2 gamma_h), J.
@@ -399,7 +399,7 @@ def penetrating(interface: Interface, memory: Memory) -> Mask:
     return deeper
 
 
-def rotate_frame(
+def turned(
     interface: Interface, memory: Memory, rotation: Array, carrier_rotation: Array | None
 ) -> tuple[Memory, float]:
     """The memory in the frame of a coming step, with the points of corners chosen anew.
@@ -418,8 +418,8 @@ def rotate_frame(
         (weights and tractions differ), J; it is added to what contact dissipates.
     """
     exchanged = 0.0
-    if isinstance(interface.carrier, Face) and carrier_rotation is not None:
-        memory, exchanged = _turn_face(interface, interface.carrier, memory, carrier_rotation)
+    if carrier_rotation is not None:
+        memory, exchanged = _with_carrier(interface, memory, carrier_rotation)
     may_touch = interface.may_touch(rotation, memory.kinematics)
     ignored = _sunk_in(interface, memory)
     if ignored is not None:
@@ -431,22 +431,22 @@ def rotate_frame(
     return after, exchanged + before - interface.energy(after)
 
 
-def _turn_face(
-    interface: Interface, face: Face, memory: Memory, rotation: Array
-) -> tuple[Memory, float]:
-    """Turn the frame of a face, and forces with it; also the energy lost against tractions, J.
+def _with_carrier(interface: Interface, memory: Memory, rotation: Array) -> tuple[Memory, float]:
+    """Forces in the frame of a carrier that has turned; also the energy lost against tractions, J.
 
     Tractions do not turn. For theta = 1 the energy does not know of angles between the two.
     """
-    face.rotate_frame(rotation)
-    kinematics = interface.over(memory.surface, memory.kinematics.carrier)
+    frame = interface.carrier.frame(rotation)
+    if frame.tobytes() == memory.kinematics.frame.tobytes():  # on what stands on the ground
+        return memory, 0.0
+    kinematics = interface.over(memory.surface, memory.kinematics.carrier, frame)
     apart, anchor = memory.force[:, 0] <= 0, memory.anchor
     if apart.any():  # closest points of open points move as the face turns
         anchor = np.where(apart[:, None], kinematics.augmented[:, 1:], anchor)
-    turned = memory._replace(kinematics=kinematics, anchor=anchor)
-    return turned, 0.0 if interface.theta == 1 else interface.energy(memory) - interface.energy(
-        turned
-    )
+    after = memory._replace(kinematics=kinematics, anchor=anchor)
+    if interface.theta == 1:
+        return after, 0.0
+    return after, interface.energy(memory) - interface.energy(after)
 
 
 def _at_other_faces(interface: Interface, memory: Memory, may_touch: Mask) -> Memory:

@@ -7,7 +7,7 @@ average. A corner thus carries one point for each face that meets there.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from petsc4py import PETSc
 
@@ -20,9 +20,6 @@ from solver.contact.facets import Evaluations, evaluate_facets, extent, gather
 from solver.contact.quadrature import Cut
 from solver.scene.material import Material
 from solver.types import Array, Indices
-
-DENSE_ENTRIES = 50_000
-"""Entries up to which a matrix is multiplied as a dense one: a sparse product costs 10 us."""
 
 
 def same(chosen: Indices, before: Indices) -> bool:
@@ -40,15 +37,6 @@ def normal_stress_map(material: Material, normal: Array) -> Array:
     rows = material.shear * (shared + shared.swapaxes(2, 3))
     rows += material.lame * normal[:, :, None, None] * np.eye(d)
     return np.asarray(0.5 * rows.reshape(count, d, d * d))
-
-
-def compact(matrix: sp.spmatrix) -> Any:
-    """The matrix in the form that multiplies fastest: dense while it is small."""
-    return (
-        matrix.toarray()
-        if matrix.shape[0] * matrix.shape[1] < DENSE_ENTRIES
-        else sp.csr_matrix(matrix)
-    )
 
 
 class SurfaceRows(NamedTuple):
@@ -157,7 +145,7 @@ class ContactPoints:
         values = sp.csr_matrix(average @ _node_rows(table, shape_functions, layer))
         values.eliminate_zeros()  # what tabulation leaves at other nodes
         self._sparse = average, values, _gradient_rows(table, layer)
-        self.values_T = compact(values.T)
+        self.values_T = sp.csr_matrix(values.T)
         self.rows = SurfaceRows.of(
             nodes=table.nodes,
             values=shape_functions,
@@ -191,7 +179,7 @@ class ContactPoints:
 
     def position_rows(self) -> sp.csr_matrix:
         """Positions as a linear map of the displacements, (points d, nodes d)."""
-        return sp.csr_matrix(sp.kron(self._sparse[1], sp.identity(self.dimension)))
+        return sp.csr_matrix(sp.kron(self._sparse[1], sp.identity(self.dimension), "coo"))
 
 
 def _merged(table: Evaluations, size: float) -> tuple[Indices, Indices]:

@@ -49,45 +49,45 @@ class Link:
 class Bodies(Protocol):
     """The bodies of a system at the start of a step."""
 
-    step: float
-    """Length of the step, s."""
-
     def unknowns(self, body: int | None) -> Array | None:
         """Owned unknowns of a body; None for the ground."""
 
-    def ahead(self, body: int | None) -> Array | None:
+    def expected(self, body: int | None) -> Array | None:
         """Owned unknowns of a body expected at the end of the step; None for the ground."""
-
-    def rotation(self, body: int | None) -> Array:
-        """Rotation of a body, (d, d)."""
 
     def motion(self, body: int) -> RigidMotion:
         """Motion of a body as a whole."""
 
 
+class PairSearch(NamedTuple):
+    """What was found active of a pair, and for how long.
+
+    Attributes:
+        active: A value that only the pair itself understands; None: nothing.
+        slack: Distance that both bodies may move, together, before something else can be, m.
+        reach: Distance by which a turn by an angle moves any of their points against the other's
+            faces, at most, m.
+    """
+
+    active: Any
+    slack: float
+    reach: float
+
+
 class ContactPair(Protocol):
     """Two bodies that may touch, and the interfaces between them.
-
-    What is active of them is a value that only the pair itself understands.
 
     Attributes:
         body: Number of the first body.
         on: Number of the second body; None for what is fixed to the ground.
         turns: True if the second body turns: it is a block.
-        looked: What was found active last; None before the first look.
-        slack: Distance that both may move, together, before something else can be, m.
-        reach: Distance by which a turn by an angle moves any of their points against the other's
-            faces, at most, m.
     """
 
     body: int
     on: int | None
     turns: bool
-    looked: tuple[Any] | None
-    slack: float
-    reach: float
 
-    def active(self, bodies: Bodies, before: Any) -> Any:
+    def search(self, bodies: Bodies, before: Any) -> PairSearch:
         """What is active in a step, by what was before it; None before the first."""
 
     def overlaps(self, bodies: Bodies) -> bool:
@@ -179,15 +179,13 @@ class FacePair:
         self._first, self._second, self._law, self._bed = first, second, law, bed
         self._stands, self._size = stands, min(first.hull.size, second.hull.size)
         self._only_turns = stands and not second.has_outline  # nothing else changes what is active
-        self.looked: tuple[Any] | None = None
-        self.slack = self.reach = 0.0
         self._lower: dict[int, Carrier | None] = {}  # faces of the second body
         self._own: dict[tuple[int, frozenset[int], frozenset[int]], Interface] = {}
         self._outlines: dict[tuple[int, int], tuple[list[Interface], list[Interface]]] = {}
 
     # ------------------------------------------------------------- which faces
 
-    def active(self, bodies: Bodies, before: ActiveFaces | None) -> ActiveFaces | None:
+    def search(self, bodies: Bodies, before: ActiveFaces | None) -> PairSearch:
         """The faces that look at each other in a step; None where the bodies are not near."""
         if before is None and self._stands:
             top = self._second.tags[self._second.top]
@@ -195,12 +193,12 @@ class FacePair:
             seen = bottom if self._second.has_outline else FLOOR
             before = ActiveFaces(seen, top, frozenset({bottom}))
         now, first, second = self._placed(bodies.unknowns)
-        ahead, _, _ = self._placed(bodies.ahead)
+        ahead, _, _ = self._placed(bodies.expected)
         size = self._size
         near = NEAR * size * (1.0 if before is None else 2.0)
         apart = float(np.minimum(now, ahead).max())  # bodies may pass one another in a step
         if apart > near:
-            return self._keep(before if self._stands else None, bodies, apart - near)
+            return self._found(before if self._stands else None, bodies, apart - near)
         count = len(first.levels)
         best, keeps = separating_face(now, ahead), self._numbers(before, count)
         if keeps and max(now[k] for k in keeps) > now[best] - HELD * size:
@@ -225,7 +223,7 @@ class FacePair:
         if before is not None and before.second == number:
             faces |= before.faces
         seen = tag if self._second.has_outline else FLOOR
-        return self._keep(ActiveFaces(seen, number, faces), bodies, slack)
+        return self._found(ActiveFaces(seen, number, faces), bodies, slack)
 
     def overlaps(self, bodies: Bodies) -> bool:
         """True if the bodies are in one another."""
@@ -254,7 +252,7 @@ class FacePair:
         other = self._second.hull.placed(unknowns(self.on))
         return gaps(one, other), one, other
 
-    def _keep(self, active: ActiveFaces | None, bodies: Bodies, slack: float) -> ActiveFaces | None:
+    def _found(self, active: ActiveFaces | None, bodies: Bodies, slack: float) -> PairSearch:
         """What is active for as long as bodies move by less than half a slack, m."""
         d, size = self._first.dimension, self._first.hull.size
         middle = self._first.body.centre + bodies.motion(self._first.number).moved
@@ -262,9 +260,8 @@ class FacePair:
             size += self._second.hull.size
             other = self._second.body.centre + bodies.motion(self._second.number).moved
             size += float(np.abs(middle - other).max())
-        self.looked, self.slack = (active,), 0.5 * slack
-        self.reach = d**0.5 * size + self.slack if np.isfinite(slack) else 0.0
-        return active
+        half = 0.5 * slack
+        return PairSearch(active, half, d**0.5 * size + half if np.isfinite(slack) else 0.0)
 
     # ------------------------------------------------------------- interfaces
 
@@ -334,7 +331,7 @@ def corner_area(upper: Face, thickness: float) -> float:
 
     In the plane the thickness is that of the upper body, m.
     """
-    d = len(upper.frame)
+    d = len(upper.reference_frame)
     return (upper.facet / 2) ** (d - 1) * (thickness if d == 2 else 1.0)
 
 
@@ -345,7 +342,7 @@ def edge_interfaces(
 
     The thickness is that of `corner_area`.
     """
-    d, area = len(lower.frame), corner_area(upper, thickness)
+    d, area = len(lower.reference_frame), corner_area(upper, thickness)
     outline = outline_points(lower.points, lower.reference_frame, lower.rings)
     found = [Interface(outline, upper, law, bed=bed, corner_area=area, of_edge=True)]
     if d == 3:

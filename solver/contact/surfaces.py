@@ -135,14 +135,7 @@ class BlockSurface:
 
     def corners_of(self, tag: int) -> FacePoints:
         """The corners of a face."""
-        chosen = np.array(self._faces.loops[tag])
-        points = self.hull.points
-        if isinstance(points, NodePoints):
-            return NodePoints(
-                points.body, points.layer, points.positions, chosen=points.chosen[chosen]
-            )
-        assert isinstance(self.body, RigidBox)
-        return RigidPoints(self.body, self._faces.corners[chosen])
+        return self.hull.points.some(np.array(self._faces.loops[tag]))
 
     def over(
         self,
@@ -176,9 +169,12 @@ class BlockSurface:
     def _rigid_points(self, carrier: Carrier) -> tuple[Array, Array]:
         """Points of a rigid block that may touch, and the area that each stands for, m2."""
         assert isinstance(self.body, RigidBox)
+        facet = np.inf
+        if isinstance(carrier, Face) and not isinstance(carrier.points, FixedPoints):
+            facet = carrier.facet  # of what deforms
         if self._is_box:
-            return rigid_points(self.body, carrier)
-        return points_of_shape(self.body, self._faces, carrier)
+            return rigid_points(self.body, facet)
+        return points_of_shape(self.body, self._faces, facet)
 
 
 def nodes_at(body: ElasticBody, places: Array) -> NodePoints:
@@ -192,24 +188,20 @@ def nodes_at(body: ElasticBody, places: Array) -> NodePoints:
     order = np.argsort(which, kind="stable")
     assert np.array_equal(which[order], np.arange(len(places)))
     rank, where, layer = shared_layer(space, numbers[order], positions[order], scale)
-    return NodePoints(body, layer, where, chosen=rank)
+    return NodePoints(body, layer, where).some(rank)
 
 
-def rigid_points(body: RigidBox, carrier: Carrier) -> tuple[Array, Array]:
-    """Points of a rigid block that may touch, and the area of the bottom that each stands for, m2.
+def rigid_points(body: RigidBox, facet: float) -> tuple[Array, Array]:
+    """Points of a rigid box that may touch, and the area of the bottom that each stands for, m2.
 
-    They are its corners, on facets that deform also a grid on its bottom, no closer than the
-    facets: forces of more points than there are nodes below are not unique. Those of the top stand
-    for as much as those of the bottom: they touch where the block lies on its back.
+    They are its corners, on facets that deform also a grid on its bottom, no closer than these, m
+    (infinite on others): forces of more points than there are nodes below are not unique. Those of
+    the top stand for as much as those of the bottom: they touch where the block lies on its back.
     """
     sides = np.ptp(body.bottom, axis=0)[:-1]
-    counts = [1] * len(sides)
-    if isinstance(carrier, Face) and not isinstance(carrier.points, FixedPoints):
-        counts = [max(1, int(side / carrier.facet + 1e-9)) for side in sides]
-    lines = [np.linspace(0, 1, count + 1) for count in counts]
-    fractions = np.stack(np.meshgrid(*lines, indexing="ij"), -1).reshape(-1, len(sides))
+    fractions, cell = _grid(sides, facet)
     inner = (fractions > 0) & (fractions < 1)
-    cell = float(np.prod(sides / counts)) * (body.shape.thickness if body.dimension == 2 else 1.0)
+    cell *= body.shape.thickness if body.dimension == 2 else 1.0
     area = cell * np.prod(np.where(inner, 1.0, 0.5), axis=1)
     between = inner.any(axis=1)
     upwards = np.zeros((np.count_nonzero(between), 1))
@@ -218,8 +210,8 @@ def rigid_points(body: RigidBox, carrier: Carrier) -> tuple[Array, Array]:
     return np.vstack([body.corners, grid]), np.concatenate([corners, area[between]])
 
 
-def points_of_shape(body: RigidBox, faces: BodyFaces, carrier: Carrier) -> tuple[Array, Array]:
-    """Points of a rigid block that is no box, and the area that each stands for, m2.
+def points_of_shape(body: RigidBox, faces: BodyFaces, facet: float) -> tuple[Array, Array]:
+    """Points of a rigid block that is no box, as of `rigid_points`, and the area of each, m2.
 
     All stand for the same area, that of the bottom over the number of them there.
     """
@@ -228,20 +220,28 @@ def points_of_shape(body: RigidBox, faces: BodyFaces, carrier: Carrier) -> tuple
         count += len(ring)
         far = np.abs(ring[:, None] - faces.corners).max(axis=2).min(axis=1)
         places.append(ring[far > 1e-9 * np.ptp(faces.corners)])  # corners within the hull
-        if isinstance(carrier, Face) and not isinstance(carrier.points, FixedPoints):
-            places.append(_grid_on(ring, carrier.facet))
-            count += len(places[-1])
+        places.append(_grid_on(ring, facet))
+        count += len(places[-1])
     points = np.vstack(places)
     area = body.shape.bottom_area / max(count, 1)
     return points, np.full(len(points), area)
 
 
-def _grid_on(ring: Array, facet: float) -> Array:
-    """Points on a level face of these corners, (n, d), m, no closer than facets, m."""
-    low, sides = ring.min(axis=0)[:-1], np.ptp(ring, axis=0)[:-1]
+def _grid(sides: Array, facet: float) -> tuple[Array, float]:
+    """A grid on a rectangle, over its sides, (n, t), no closer than facets, m; size of its cells.
+
+    With the corners of the rectangle.
+    """
     counts = [max(1, int(side / facet + 1e-9)) for side in sides]
     lines = [np.linspace(0, 1, count + 1) for count in counts]
     fractions = np.stack(np.meshgrid(*lines, indexing="ij"), -1).reshape(-1, len(sides))
+    return fractions, float(np.prod(sides / counts))
+
+
+def _grid_on(ring: Array, facet: float) -> Array:
+    """Points on a level face of these corners, (n, d), m, no closer than facets, m."""
+    low, sides = ring.min(axis=0)[:-1], np.ptp(ring, axis=0)[:-1]
+    fractions, _ = _grid(sides, facet)
     places = low + fractions * sides
     if ring.shape[1] == 2:
         inside = (fractions[:, 0] > 0) & (fractions[:, 0] < 1)
@@ -265,19 +265,14 @@ def outline_points(
         return points
     along = points.reference @ frame[1:].T
     if rings is not None:
-        assert isinstance(points, NodePoints)
         near = 1e-9 * np.ptp(along, axis=0).max()
         off = np.min([distance_to_edges(along, ring @ frame[1:].T) for ring in rings], axis=0)
-        return NodePoints(
-            points.body, points.layer, points.reference, chosen=np.flatnonzero(off < near)
-        )
+        return points.some(np.flatnonzero(off < near))
     near = 1e-9 * np.ptp(along, axis=0)
     low, high = along.min(axis=0) + near, along.max(axis=0) - near
     extreme = (along < low) | (along > high)
-    if isinstance(points, FixedPoints):
-        return FixedPoints(points.reference[np.all(extreme, axis=1)])
-    outline = np.flatnonzero(np.any(extreme, axis=1))
-    return NodePoints(points.body, points.layer, points.reference, chosen=outline)
+    is_outer = np.all if isinstance(points, FixedPoints) else np.any
+    return points.some(np.flatnonzero(is_outer(extreme, axis=1)))
 
 
 def outline_of(face: Face, up: Array) -> Outline:

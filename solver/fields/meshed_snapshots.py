@@ -55,11 +55,12 @@ class Snapshots:
             elif isinstance(body, ReducedBody):
                 if body.parts is not None:
                     self._bodies.append(ReducedFields(run, number, body.parts, files))
-            else:
+            elif isinstance(body, DenseBody):
                 corners = body.corners if isinstance(body, RigidBox) else platform_corners(scene)
                 solid = body.shape.solid if isinstance(body, RigidBox) else None
-                own = one_cell(corners)
-                if solid is not None:
+                if solid is None:
+                    own = one_cell(corners)
+                else:
                     own = triangles(corners, loops_of(solid.parts))
                 writer = files.body(body.name, own)
                 self._bodies.append(RigidFields(run, number, body, corners, writer))
@@ -224,7 +225,7 @@ class MeshedLinks:
         """Write the links; collective."""
         attached, state = self._run.assembly.stepper.attached, self._run.state
         assert attached is not None and state.body_links is not None
-        places = attached.attachments.values(state.u)
+        places = attached.values(state.u)
         ends = np.array([places[list(link.ends)] for link in attached.links.links])
         self._lines.write(time, ends, attached.links.numbers(state.body_links))
 

@@ -101,10 +101,8 @@ def edge_forces(interface: Interface, memory: Memory, *, carries: bool) -> EdgeF
     # Quadratic shape functions are negative in places: nodes take the force by their sizes.
     shares = np.abs(places.weights)
     shares /= np.maximum(shares.sum(axis=1, keepdims=True), LEAST_AREA)
-    own = np.zeros((points.count, acting.shape[1]))
-    meshed.add_spread(places.nodes, shares, 1.0, acting, own)
-    nodal = np.zeros((points.layer.size, acting.shape[1]))
-    nodal[points.chosen] = own
+    nodal = np.zeros((points.count, acting.shape[1]))
+    meshed.add_spread(places.nodes, shares, 1.0, acting, nodal)
     return EdgeForces(points.layer, nodal[:, :2], nodal[:, 2:])
 
 

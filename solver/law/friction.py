@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from solver.kernels import meshed
-from solver.types import Array, Mask
+from solver.types import Array, Indices, Mask
 
 if TYPE_CHECKING:
     from solver.scene import FrictionSpec
@@ -92,6 +92,10 @@ class Bounds(NamedTuple):
     def uniform(cls, mu: float, m: int) -> Bounds:
         """One coefficient for m points, no cohesion."""
         return cls(np.full(m, mu, dtype=np.float64), np.zeros(m))
+
+    def of(self, chosen: slice | Indices) -> Bounds:
+        """The bounds of some of the points."""
+        return Bounds(self.mu[chosen], self.cohesion[chosen], self.slope)
 
 
 def slipping_points(force: Array, slip: Array, own: Array, bounds: Bounds) -> Mask:

@@ -14,7 +14,6 @@ from geometry.top import STEEPEST_TOP, top_over_centre
 from solver.bodies.kinematics import RigidMotion
 from solver.build.block_body import BlockBody
 from solver.contact.body_points import Key, NitschePoints, SurfaceState
-from solver.contact.carriers import Face
 from solver.contact.kinematics import in_space
 from solver.contact.memory import Memory
 from solver.contact.pairs import Link
@@ -74,7 +73,7 @@ class BlockObserver:
         self._set_interface()
         self._known = self._first_reference(state)
         self._order_reference()
-        self._frame = self._interface.carrier.frame
+        self._frame = state.contacts[self._number].kinematics.frame
         count = member.spec.shape.feet
         feet = [foot.hull.points.reference for foot in member.parts[len(member.parts) - count :]]
         near = ON_FOOT * member.spec.shape.half_diagonal
@@ -130,10 +129,7 @@ class BlockObserver:
         return corners[surface.below]
 
     def write(self, state: State, links: Sequence[Link], row: Array) -> None:
-        """Fill in the columns of the block, all of `row`; the memories of the state are of `links`.
-
-        These stand as they did in the step that led there.
-        """
+        """Fill in the columns of the block, all of `row`; memories of the state are of `links`."""
         self._take(links)
         memory = state.contacts[self._number]
         others = [number for number in self._others if not state.contacts[number].clear]
@@ -143,21 +139,22 @@ class BlockObserver:
         system, number = self._stepper.system, self._member.number
         self._write_motion(state.rigid_motion(system, number), row)
         carrier, place = self._interface.carrier, memory.kinematics.carrier
+        frame = memory.kinematics.frame
         if self._face(state) != self._home:  # it meets another face of what carried it
             row[self._slips] = self._slip
-            carrier, place = self._home_carrier, self._home_place(state)
+            carrier, (place, frame) = self._home_carrier, self._home_place(state)
         elif not self._write_slip(memory, row):
             self._set_reference(memory)
             self._write_slip(memory, row)
         lost = self._carrier is not None and self._lost_its_carrier(state)
         corners = self._corner_positions(state)
-        height = corners[:, -1] if lost else carrier.kinematics(corners, place).place[:, 0]
+        height = corners[:, -1] if lost else carrier.kinematics(corners, place, frame).place[:, 0]
         row[self._gaps] = height
         numbers = self._number, *others
         row[self._at.penetration_m] = max(self._penetration(state, n) for n in numbers)
-        row[self._forces], self._frame = np.add.reduce(memory.force), carrier.frame
+        row[self._forces], self._frame = np.add.reduce(memory.force), frame
         if others or lost or carrier is not self._interface.carrier:
-            frame = level_frame(len(self._forces)) if lost else carrier.frame
+            frame = level_frame(len(self._forces)) if lost else frame
             row[self._forces], self._frame = self._force(state, others, frame), frame
 
     def write_feet(self, state: State, rows: Array) -> None:
@@ -182,13 +179,14 @@ class BlockObserver:
                 on = ((place >= low) & (place <= high)).all(axis=1)
                 row += force[on].sum(axis=0)
 
-    def _home_place(self, state: State) -> SurfaceState | None:
-        """Where the face is that carries the block at the start, whose frame is turned there."""
+    def _home_place(self, state: State) -> tuple[SurfaceState | None, Array]:
+        """Where the face is that carries the block at the start, and its frame."""
         link, face, system = self._links[self._number], self._home_carrier, self._stepper.system
+        frame = face.reference_frame
         if link.carrier is not None:
-            face.rotate_frame(state.rigid_motion(system, link.carrier).rotation)
+            frame = face.frame(state.rigid_motion(system, link.carrier).rotation)
         part = system.part(state.u, link.carrier)
-        return None if face.points is None else face.points.observe(part)
+        return None if face.points is None else face.points.observe(part), frame
 
     def _write_slip(self, memory: Memory, row: Array) -> bool:
         """Slip, by the block's own points; False, and nothing, where a reference is unknown."""
@@ -243,8 +241,8 @@ class BlockObserver:
         By its own interface and those others that bear it. Where it has lost its carrier the
         foundation is level.
         """
-        force = np.add.reduce(state.contacts[self._number].force)
-        given = self._interface.carrier.frame
+        memory = state.contacts[self._number]
+        force, given = np.add.reduce(memory.force), memory.kinematics.frame
         if given is not frame:
             force = frame @ (force @ given)
         for number in others:
@@ -273,8 +271,7 @@ class BlockObserver:
         interface = self._interface
         memory = state.contacts[self._number]
         carrier, points = interface.carrier, interface.points
-        level = carrier.reference_frame if isinstance(carrier, Face) else carrier.frame
-        along = points.reference @ level[1:].T
+        along = points.reference @ carrier.reference_frame[1:].T
         place = memory.kinematics.place
         lowest = touching(*self._points(memory))
         reference = along + (place[lowest, 1:] - along[lowest]).mean(axis=0)

@@ -27,20 +27,18 @@ from solver.run.pair_observer import PairObserver
 from solver.scene import Scene
 from solver.scheme.step_control import Ladder, Tolerance
 from solver.stepping.contact_solve import StepFailed
-from solver.stepping.interfaces import InterfaceState
 from solver.stepping.local_error import Judge, LocalError
 from solver.stepping.state import Exchange, State
 from solver.types import Array
 
 
-class _Ahead(NamedTuple):
+class _NextStep(NamedTuple):
     """A step that was looked ahead to: its start, its length (s), and what it gave."""
 
     start: State
     dt: float
     new: State
     exchange: Exchange
-    standing: InterfaceState
 
 
 class MeshedRun:
@@ -79,7 +77,7 @@ class MeshedRun:
             error = LocalError(self._stepper.system, size)
             tolerance = Tolerance(scene.time.tolerance, scene.vibration_left)
             self._judge = Judge(error, tolerance, self.state)
-        self._ahead: _Ahead | None = None
+        self._next: _NextStep | None = None
         self._row: Array | None = None
         points = sum(link.interface.count for link in self._stepper.links)
         self.description = (
@@ -106,7 +104,7 @@ class MeshedRun:
 
     def saved(self) -> dict[str, Any]:
         """State of the run, for `resume`."""
-        self._ahead = None  # solved anew, here as in a run that goes on from this
+        self._next = None  # solved anew, here as in a run that goes on from this
         return {
             "state": self.state,
             "stepper": self._stepper.saved(),
@@ -195,25 +193,24 @@ class MeshedRun:
 
     def _advance(self, start: State, dt: float, end: float) -> tuple[State, Exchange]:
         """A step from a state to a time; one that was looked ahead to is not solved twice."""
-        ahead, self._ahead = self._ahead, None
+        ahead, self._next = self._next, None
         if ahead and ahead.start is start and ahead.dt == dt:
-            self._stepper.stand(ahead.standing)
+            self._stepper.join(ahead.new.active)
             return ahead.new._replace(time=end), ahead.exchange
         return self._stepper.advance(start, dt, end)
 
     def _following(self, start: State, dt: float) -> State | None:
         """Look ahead to the state a step after another; None if the step fails.
 
-        The stepper stands where it stood: row and fields of the step before are read through it.
+        Active interfaces are those of the step before again: its row and fields are read by them.
         """
-        before = self._stepper.standing()
         try:
             new, exchange = self._stepper.advance(start, dt)
-            self._ahead = _Ahead(start, dt, new, exchange, self._stepper.standing())
+            self._next = _NextStep(start, dt, new, exchange)
         except StepFailed:
             return None
         finally:
-            self._stepper.stand(before)
+            self._stepper.join(start.active)
         return new
 
     def _take(

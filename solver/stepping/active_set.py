@@ -9,19 +9,17 @@ inactive; while bodies move by less than their clearance, they need not even be 
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
 
-from solver.bodies.rigid_body import DenseBody
 from solver.contact.carriers import Carrier
 from solver.contact.kinematics import ContactKinematics, Observed
 from solver.contact.memory import Memory
 from solver.parallel import global_max
 from solver.stepping.balance import Balance
 from solver.stepping.point_table import PointTable
-from solver.stepping.system import Body, System
+from solver.stepping.system import System
 from solver.types import Array, Indices, Mask
 
 MARGIN = 0.002
@@ -208,14 +206,14 @@ class ActiveSet:
 
     def _has_contact(self, number: int, u: Array, moved: Sequence[float]) -> bool:
         """True if an inactive interface is in contact at u; bodies moved by at most so much, m."""
-        link, before = self._points.links[number], self._memories[number].clear
+        link, memory = self._points.links[number], self._memories[number]
         moved_by = sum(moved[body] for body in (link.body, link.carrier) if body is not None)
         self._observed.pop(number, None)
-        clear = before - moved_by
+        clear = memory.clear - moved_by
         if clear <= STEPS_AHEAD * moved_by:
-            self.overran |= before > 0.0 and clear + self._margin(number) <= 0.0
-            seen = self._observed[number] = self._points.observe(number, u)
-            if not before and self._clearance(number, seen[1]) < 0:
+            self.overran |= memory.clear > 0.0 and clear + self._margin(number) <= 0.0
+            seen = self._observed[number] = self._points.observe(number, u, memory)
+            if not memory.clear and self._clearance(number, seen[1]) < 0:
                 return True
             clear = link.interface.apart(*seen) - self._margin(number)
         self._clear[number] = clear if clear > STEPS_AHEAD * moved_by else 0.0
@@ -236,12 +234,5 @@ def largest_displacements(system: System, now: Array, before: Array) -> list[flo
 
     By positions relative to the ground.
     """
-    moved = [_largest_displacement(body, now[own], before[own]) for body, own in system.members]
+    moved = [body.way(now[own] - before[own]) for body, own in system.members]
     return global_max(system.comm, moved)
-
-
-def _largest_displacement(body: Body, now: Array, before: Array) -> float:
-    """Bound on the displacement of the points that this rank holds, m."""
-    if isinstance(body, DenseBody):
-        return body.way(now - before)
-    return math.sqrt(body.dimension) * float(np.abs(now - before).max(initial=0.0))

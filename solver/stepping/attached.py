@@ -6,44 +6,27 @@ exactly the work that springs store and the ledger books.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from solver.bodies.attachment import Attachment
+from solver.bodies.attachment import Attachment, MeshedPlace, RigidPlace, attachment_of
 from solver.stepping.body_links import BodyLinks, LinkForces, LinkMemory
 from solver.stepping.system import System
-from solver.types import Array, Mask
+from solver.types import Array, Indices, Mask
 
 
-class Attachments:
-    """Places of all bodies of a scene, numbered body after body, then those on the ground."""
+class BodyPlace(NamedTuple):
+    """A place at which links or forces act.
 
-    def __init__(self, system: System, of_bodies: Mapping[int, Attachment], ground: Array):
-        """Take places of bodies, by their numbers, and those on the ground, (n, d), m."""
-        self._ground = ground
-        self.members: list[tuple[int, slice, slice, Attachment]] = []
-        """Of each body that has any: its number, its unknowns, its places, and these."""
-        first = 0
-        for number, attachment in sorted(of_bodies.items()):
-            places = slice(first, first + attachment.count)
-            self.members.append((number, system.slices[number], places, attachment))
-            first += attachment.count
-        self.count = first + len(ground)
+    Attributes:
+        body: Number of the body that has it; None: it stands still, on the ground.
+        place: The place as the body has it; on the ground (d,), m.
+    """
 
-    def values(self, u: Array) -> Array:
-        """All places for all owned unknowns u, (n, d), m; collective."""
-        parts = [attachment.values(u[own]) for _, own, _, attachment in self.members]
-        return np.concatenate([*parts, self._ground])
-
-    def add_forces(self, target: Array, before: Array, now: Array, force: Array) -> None:
-        """Add forces on all places, (n, d), N, to those on all owned unknowns.
-
-        Their work between the two displacements is exact.
-        """
-        for _, own, places, attachment in self.members:
-            attachment.add_forces(target[own], before[own], now[own], force[places])
+    body: int | None
+    place: MeshedPlace | RigidPlace | Array
 
 
 class AppliedForce(NamedTuple):
@@ -60,36 +43,97 @@ class AppliedForce(NamedTuple):
     mean: Callable[[float, float], float]
 
 
+class PlacesOfBody(NamedTuple):
+    """All places of one body.
+
+    Attributes:
+        body: Its number.
+        own: Its unknowns.
+        places: Numbers of the places.
+        attachment: The places.
+    """
+
+    body: int
+    own: slice
+    places: Indices
+    attachment: Attachment
+
+
 class Attached:
-    """All links and applied forces of a scene, and the places at which they act."""
+    """All links and applied forces of a scene, and the places at which they act.
 
-    def __init__(self, attachments: Attachments, links: BodyLinks, forces: Sequence[AppliedForce]):
-        """Take them."""
-        self.attachments, self.links, self.forces = attachments, links, tuple(forces)
+    Attributes:
+        links: The links.
+        forces: The forces.
+        members: The places body by body.
+    """
 
-    def applied(self, time: float, dt: float, dimension: int) -> Array:
+    def __init__(
+        self,
+        system: System,
+        places: Sequence[BodyPlace],
+        links: BodyLinks,
+        forces: Sequence[AppliedForce],
+    ):
+        """Take all places, and links and forces that name them by their numbers."""
+        self.links, self.forces = links, tuple(forces)
+        self._still: Array = np.zeros((len(places), system.dimension))  # those on the ground
+        numbers: dict[int, list[int]] = {}
+        for number, (body, place) in enumerate(places):
+            if body is None:
+                self._still[number] = place
+            else:
+                numbers.setdefault(body, []).append(number)
+        self.members = tuple(
+            PlacesOfBody(
+                body,
+                system.slices[body],
+                np.array(own),
+                attachment_of(system.bodies[body], [places[number].place for number in own]),
+            )
+            for body, own in sorted(numbers.items())
+        )
+
+    def values(self, u: Array) -> Array:
+        """All places for all owned unknowns u, (n, d), m; collective."""
+        found = self._still.copy()
+        for _, own, places, attachment in self.members:
+            found[places] = attachment.values(u[own])
+        return found
+
+    def add_forces(self, target: Array, before: Array, now: Array, force: Array) -> None:
+        """Add forces on all places, (n, d), N, to those on all owned unknowns.
+
+        Their work between the two displacements is exact.
+        """
+        for _, own, places, attachment in self.members:
+            attachment.add_forces(target[own], before[own], now[own], force[places])
+
+    def applied(self, time: float, dt: float) -> Array:
         """Mean forces on all places over a step of dt (s) from a time, (n, d), N."""
-        found = np.zeros((self.attachments.count, dimension))
+        found = np.zeros_like(self._still)
         for force in self.forces:
             found[force.place] += force.mean(time, dt) * force.whole
         return found
 
 
-class Pull(NamedTuple):
+class AttachedForces(NamedTuple):
     """What links and forces do at an iterate.
 
     Attributes:
         places: (n, d), m.
         force: On them, (n, d), N.
+        rows: What changes of places do to extensions of links, (extensions, n, d).
         links: The links' own part.
     """
 
     places: Array
     force: Array
+    rows: Array
     links: LinkForces
 
 
-class PullEnd(NamedTuple):
+class AttachedEnd(NamedTuple):
     """What links and forces leave after a step.
 
     Attributes:
@@ -105,7 +149,7 @@ class PullEnd(NamedTuple):
     memory: LinkMemory | None
 
 
-UNATTACHED = PullEnd(0.0, 0.0, 0.0, None)
+UNATTACHED = AttachedEnd(0.0, 0.0, 0.0, None)
 """What a scene without links and forces leaves."""
 
 
@@ -123,28 +167,28 @@ class StepAttached:
         """Begin at the unknowns of t_n; in equilibrium dt is infinite, and links stand."""
         self.attached, self.applied, self.memory = attached, applied, memory
         self._start, self._dt = start, dt
-        self._before = attached.attachments.values(start)
+        self._before = attached.values(start)
         self.breaks: Mask = np.zeros(attached.links.count, dtype=np.bool_)
 
-    def at(self, u: Array) -> Pull:
+    def at(self, u: Array) -> AttachedForces:
         """What they do where a step ends at u."""
-        links, now = self.attached.links, self.attached.attachments.values(u)
-        before = now if np.isinf(self._dt) else self._before
-        found = self.law(links.measure(now))._replace(rows=links.rows(before, now))
-        force = self.applied - np.tensordot(found.force, found.rows, 1)
-        return Pull(now, force, found)
+        links, now = self.attached.links, self.attached.values(u)
+        found = self.law(links.measure(now))
+        rows = links.rows(now if np.isinf(self._dt) else self._before, now)
+        force = self.applied - np.tensordot(found.force, rows, 1)
+        return AttachedForces(now, force, rows, found)
 
     def law(self, extension: Array) -> LinkForces:
-        """Forces of links at extensions at the end of the step, without rows."""
+        """Forces of links at extensions at the end of the step."""
         links = self.attached.links
         if self.memory is None:
-            return links.standing(extension)
+            return links.in_equilibrium(extension)
         return links.in_step(self.memory, extension, self._dt, self.breaks)
 
     def add_forces(self, target: Array, u: Array, force: Array) -> None:
         """Add forces on places, (n, d), N, to those on all owned unknowns; a step ends at u."""
         before = u if np.isinf(self._dt) else self._start
-        self.attached.attachments.add_forces(target, before, u, force)
+        self.attached.add_forces(target, before, u, force)
 
     def with_loads(self, load: Array, weight: float) -> Array:
         """Loads, N, with what links and forces do at the start of the step, `weight` times."""
@@ -157,11 +201,11 @@ class StepAttached:
         stiffness = self.attached.links.stiffness(len(self._before))
         eps, found = float(np.finfo(float).eps), [0.0] * bodies
         each = weight * eps * stiffness * np.linalg.norm(self._before, axis=1)
-        for number, _, places, _ in self.attached.attachments.members:
+        for number, _, places, _ in self.attached.members:
             found[number] = float(np.linalg.norm(each[places]))
         return found
 
-    def breaks_at(self, reached: Pull) -> bool:
+    def breaks_at(self, reached: AttachedForces) -> bool:
         """Let links that are loaded by more than their strength break; True if any does."""
         assert self.memory is not None
         extension = reached.links.extension
@@ -169,10 +213,10 @@ class StepAttached:
         self.breaks = self.breaks | more
         return bool(more.any())
 
-    def end(self, reached: Pull, time: float) -> PullEnd:
+    def end(self, reached: AttachedForces, time: float) -> AttachedEnd:
         """What they leave after a step from a time, s, that ended so."""
         assert self.memory is not None
         links = self.attached.links
         work = float((self.applied * (reached.places - self._before)).sum())
         memory, lost = links.after(self.memory, reached.links, time, self._dt, self.breaks)
-        return PullEnd(work, lost, links.energy(memory), memory)
+        return AttachedEnd(work, lost, links.energy(memory), memory)

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from solver.bodies.body import Body
 from solver.bodies.rigid_body import DenseBody
 from solver.contact.body_points import SurfaceState
 from solver.contact.kinematics import ContactIncrement, ContactKinematics, ForceWeights, Observed
@@ -19,13 +20,13 @@ from solver.contact.pairs import Link
 from solver.law.friction import Bounds
 from solver.parallel import global_sums
 from solver.scheme.generalized_alpha import GeneralizedAlpha, TangentWeights
-from solver.stepping.attached import Pull, StepAttached
+from solver.stepping.attached import AttachedForces, StepAttached
 from solver.stepping.convergence import ResidualTolerance
 from solver.stepping.interfaces import StepStart
 from solver.stepping.ledger import StepEnds, energies
 from solver.stepping.point_table import joined
 from solver.stepping.state import RotationPrediction, State
-from solver.stepping.system import Body, System
+from solver.stepping.system import System
 from solver.types import Array
 
 RESIDUAL_TOLERANCE = 1e-8
@@ -194,7 +195,7 @@ class StepSolution(NamedTuple):
     """Corrections that it took."""
     held: Array
     """The residual at the unknowns that do not move, `System.fixed`, N."""
-    pull: Pull | None = None
+    on_places: AttachedForces | None = None
     """What links and forces do; None without any."""
 
 
@@ -296,7 +297,7 @@ def inertia_force(
     step: Step,
     ends: StepEnds,
     contacts: Sequence[Contact],
-    pull: Pull | None = None,
+    on_places: AttachedForces | None = None,
 ) -> Array:
     """p_{n+1} = M a_tot less impulses/(2 beta), in the frame of the middle of the step.
 
@@ -320,8 +321,8 @@ def inertia_force(
             continue
         increment = ContactIncrement(memory.seen, c.seen, c.force)
         link.interface.add_forces(increment, system.parts(p, link), weights)
-    if step.attached is not None and pull is not None:
-        step.attached.add_forces(p, ends.u, -impulse * pull.force)
+    if step.attached is not None and on_places is not None:
+        step.attached.add_forces(p, ends.u, -impulse * on_places.force)
     return p
 
 
@@ -343,10 +344,7 @@ def remembered(
 
 def static_weights(bodies: Sequence[Body], steady: float) -> list[TangentWeights]:
     """Weights of equilibrium: a mass term holds the rigid motions of the tangent."""
-    stiffness = max(
-        (body.rigidity for body in bodies if not isinstance(body, DenseBody)),
-        default=1.0,
-    )
+    stiffness = max(body.rigidity for body in bodies) or 1.0
     return [
         TangentWeights(
             mass=steady * stiffness / body.mass,
@@ -374,8 +372,8 @@ def consistent(system: System, links: Sequence[Link], state: State) -> State:
     weights = ForceWeights.of(contact=1.0, traction=1.0, sign=-1.0)
     for link, memory in zip(links, state.contacts, strict=True):
         if link.interface.theta:
-            standing = ContactIncrement(memory.seen, memory.seen, np.zeros_like(memory.force))
-            link.interface.add_forces(standing, system.parts(forces, link), weights)
+            increment = ContactIncrement(memory.seen, memory.seen, np.zeros_like(memory.force))
+            link.interface.add_forces(increment, system.parts(forces, link), weights)
     held[system.fixed] = -forces[system.fixed]
     forces[system.fixed] = 0.0
     stored = energies(system, state.u, state.v)

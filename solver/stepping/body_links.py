@@ -49,14 +49,12 @@ class LinkForces(NamedTuple):
         extension: Of each direction, (n,), m.
         force: Mean over the step, in tension, (n,), N.
         slope: Derivative of that over the extension, (n,), N/m.
-        rows: What changes of places do to extensions, (n, places, d).
         share: Part of the step after which each link that breaks in it does, (links,); else 1.
     """
 
     extension: Array
     force: Array
     slope: Array
-    rows: Array
     share: Array
 
 
@@ -160,8 +158,8 @@ class BodyLinks:
         unbroken = np.zeros(self.count, dtype=np.bool_)
         return LinkMemory(extension, force, np.zeros_like(extension), unbroken, nothing, nothing)
 
-    def standing(self, extension: Array) -> LinkForces:
-        """Links in equilibrium before the start, at extensions, without rows.
+    def in_equilibrium(self, extension: Array) -> LinkForces:
+        """Links in equilibrium before the start, at extensions.
 
         Those whose length is that at the start pull with their preload until then.
         """
@@ -169,12 +167,12 @@ class BodyLinks:
         meshed.link_forces(self._laws, extension, extension, np.inf, force, slope)
         force = np.where(self._waits, self._preload, force)
         slope = np.where(self._waits, 0.0, slope)
-        return LinkForces(extension, force, slope, np.empty(0), np.ones(self.count))
+        return LinkForces(extension, force, slope, np.ones(self.count))
 
     # ---- A step
 
     def in_step(self, memory: LinkMemory, end: Array, dt: float, breaks: Mask) -> LinkForces:
-        """Forces of a step of dt (s) to extensions at its end, without rows; `breaks`: in it."""
+        """Forces of a step of dt (s) to extensions at its end; `breaks`: in it."""
         start, whole = memory.extension - memory.plastic, np.ones(self.count)
         force, slope = np.empty((2, len(end)))
         meshed.link_forces(self._laws, start, end - memory.plastic, dt, force, slope)
@@ -189,7 +187,7 @@ class BodyLinks:
             slope[own] = 0.0
         gone = memory.broken[self.of]
         force[gone] = slope[gone] = 0.0
-        return LinkForces(end, force, slope, np.empty(0), whole)
+        return LinkForces(end, force, slope, whole)
 
     def _share(self, number: int, start: Array, end: Array) -> float:
         """Part of the way between elastic extensions at which a link is loaded as it can bear."""

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
@@ -36,14 +36,17 @@ class InterfaceDofs:
 
     layer: Layer
     """The nodes that the rows refer to."""
-    force_rows: Any
+    force_rows: sp.csr_matrix
     """(points d, layer unknowns): its transpose turns point forces into nodal ones."""
-    read_rows: Any
+    read_rows: sp.csr_matrix
     """Rows of the same shape that read the response."""
     count: int
     """Number of points."""
-    symmetric: bool
-    """True if both are the same numbers."""
+
+    @property
+    def symmetric(self) -> bool:
+        """True if both are the same."""
+        return self.force_rows is self.read_rows
 
 
 class PointRows(NamedTuple):
@@ -187,8 +190,7 @@ class Compliance:
         found, d = [], self.body.dimension
         for port, own, mine in self._groups(points):
             chosen = self._expand(own)
-            force = sp.csr_matrix(port.force_rows[chosen])
-            read = sp.csr_matrix(port.read_rows[chosen])
+            force, read = port.force_rows[chosen], port.read_rows[chosen]
             nodes = np.unique(np.concatenate([force.indices, read.indices]) // d).astype(np.int64)
             columns = self._expand(nodes)
             rows = force[:, columns], read[:, columns]

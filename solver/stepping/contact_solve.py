@@ -17,10 +17,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from solver.bodies.factorization import Inverse
 from solver.bodies.memory import kept_limit
 from solver.bodies.rigid_body import DenseBody
-from solver.contact.kinematics import ContactKinematics, ForceWeights, Observed
+from solver.contact.kinematics import ContactIncrement, ContactKinematics, ForceWeights
+from solver.contact.memory import Memory
 from solver.contact.pairs import Link
 from solver.law.local_problem import LocalProblem, NoContactSolution
 from solver.parallel import any_rank, global_sums
@@ -32,7 +32,7 @@ from solver.stepping.active_set import (
     EdgeWatch,
     points_beyond,
 )
-from solver.stepping.attached import Attached, Pull
+from solver.stepping.attached import Attached, AttachedForces
 from solver.stepping.balance import Balance, Contact, StepSolution
 from solver.stepping.delassus import (
     Delassus,
@@ -57,7 +57,7 @@ from solver.stepping.response import (
     saved_compliances,
 )
 from solver.stepping.step_contact import ContactModel, OthersNear, StepContact
-from solver.stepping.system import Body, System, response_of
+from solver.stepping.system import System, response_of
 from solver.types import Array, Indices, Mask
 
 PLACED_CORRECTIONS = 2
@@ -74,14 +74,14 @@ class ActivePair(NamedTuple):
     Attributes:
         number: Its number.
         link: The interface, and its bodies.
-        before: Where it was at t_n, in the frame of the step; None in equilibrium.
+        start: Its memory that the step starts from.
         force: Its part of the point forces, which corrections write to, (points, d), N.
         weights: How they count in a residual.
     """
 
     number: int
     link: Link
-    before: Observed | None
+    start: Memory
     force: Array
     weights: ForceWeights
 
@@ -113,7 +113,6 @@ class StepProblem:
         # Of each body its response, where its unknowns are, and its rotation at t_n.
         starts = model.system.slices, balance.rotations
         self._bodies = tuple(zip(tangents.responses, *starts, strict=True))
-        self._frames = model.points.frames
         operator = tangents.operator
         if operator is not None and model.points.turning.take(operator.near.number).any():
             tangents.operator = None
@@ -126,15 +125,15 @@ class StepProblem:
         self.inertia: Array = self.held
         self._residual: Array = self.held
         self._attached = balance.attached
-        self.pull: Pull | None = None
+        self.on_places: AttachedForces | None = None
         """What links and forces do at the iterate; None without any."""
 
     @property
     def forces(self) -> float:
         """Largest norm of the contact forces so far, or of those of links, N."""
-        if self.pull is None:
+        if self.on_places is None:
             return self.contact.largest
-        links = self._weight * float(np.linalg.norm(self.pull.links.force))
+        links = self._weight * float(np.linalg.norm(self.on_places.links.force))
         return max(self.contact.largest, links)
 
     def residual(self, u: Array) -> Array:
@@ -142,13 +141,15 @@ class StepProblem:
         residual, self.inertia = self._balance.smooth_residual(self._system, u)
         seen, parts = self._remembered.copy(), self._system.parts
         kinematics: list[ContactKinematics | None] = [None] * len(seen)
-        for number, link, before, force, weights in self._active:
-            at, on = parts(u, link), parts(residual, link)
-            seen[number] = found = link.interface.evaluate_forces(before, at, force, on, weights)
+        for number, link, start, force, weights in self._active:
+            seen[number] = found = link.interface.observe(*parts(u, link), start)
+            # In equilibrium what is seen counts at both ends.
+            increment = ContactIncrement(found if self._static else start.seen, found, force)
+            link.interface.add_forces(increment, parts(residual, link), weights)
             kinematics[number] = found[1]
         if self._attached is not None:
-            self.pull = pull = self._attached.at(u)
-            self._attached.add_forces(residual, u, -self._weight * pull.force)
+            self.on_places = on_places = self._attached.at(u)
+            self._attached.add_forces(residual, u, -self._weight * on_places.force)
         fixed = self._system.fixed
         if len(fixed):
             self.held = residual.take(fixed)
@@ -163,10 +164,9 @@ class StepProblem:
         for number, inactive in enumerate(self.active_set.inactive):
             if not inactive:
                 link, force = points.links[number], self.contact.force[points.own[number]]
-                before = None if self._static else self._remembered[number]
                 tangent = balance.weights[link.body or 0]
                 weights = ForceWeights.of(tangent.contact, tangent.interface, sign=-1.0)
-                found.append(ActivePair(number, link, before, force, weights))
+                found.append(ActivePair(number, link, balance.contact[number], force, weights))
         return found
 
     def acceleration(self) -> float:
@@ -214,25 +214,23 @@ class StepProblem:
         """The free motions of all bodies; what they do to augmented positions is added to y."""
         found = []
         for k, (response, own, _) in enumerate(self._bodies):
-            at = self._configurations[k]
-            free = response.free(at, residual[own])
-            response.read(at, free, y, self._frames, self._kinematics)
-            found.append(free)
+            found.append(response.free(self._configurations[k], residual[own]))
+            self._read(k, found[-1], y)
         return found
+
+    def _read(self, body: int, motion: Any, y: Array) -> None:
+        """Add what a motion of a body does to the augmented positions of all points to y."""
+        at, response = self._configurations[body], self._bodies[body][0]
+        response.read(at, motion, y, self._kinematics)
 
     def _settled_with_links(
         self, free: list[Any], y: Array
     ) -> tuple[list[Any], Delassus, Array | None]:
         """Let point forces and links obey their laws; the motions of bodies with links besides."""
-        assert self._attached is not None and self.pull is not None
+        assert self._attached is not None and self.on_places is not None
         forces, force = self.contact.force, self.contact.force.copy()
-
-        def read(number: int, motion: Any, moved: Array) -> None:
-            at, response = self._configurations[number], self._bodies[number][0]
-            response.read(at, motion, moved, self._frames, self._kinematics)
-
-        bodies = CorrectedBodies(self._configurations, free, read, y.shape, self._weight)
-        links = LinkCorrection(self._attached, self.pull, self._tangents.places, bodies)
+        bodies = CorrectedBodies(self._configurations, free, self._read, y.shape, self._weight)
+        links = LinkCorrection(self._attached, self.on_places, self._tangents.places, bodies)
         while True:
             operator, change = self._settled(links.positions(y), links.condensed)
             near = operator.near.number
@@ -294,11 +292,11 @@ class StepProblem:
 
     def _delassus(self, near: Indices) -> Delassus:
         """The operator at some points, with all bodies as they are at the iterate."""
-        points = self._points
+        points, seen = self._points, self._kinematics
         return assembled(
             self._tangents.responses,
             self._configurations,
-            CandidateSet(near, points.frames_at(near), self._kinematics),
+            CandidateSet(near, points.frames_at(near, seen), seen),
             contact_weight=self._weight,
             softness=points.softness,
             beds=self.contact.beds,
@@ -338,7 +336,7 @@ class StepProblem:
         for number, own in enumerate(self._points.own):
             inactive = active_set.inactive[number]
             surface, kinematics = active_set.seen(number) if inactive else self._seen[number]
-            force, bounds = self.contact.force[own], self.contact.friction.bounds[number]
+            force, bounds = self.contact.force[own], self.contact.friction.bounds.of(own)
             clear = active_set.clear(number)
             found.append(Contact(surface, kinematics, force, bounds, compliance[own], clear))
         return found
@@ -437,7 +435,7 @@ class ContactSolve:
             inertia=problem.inertia,
             iterations=iterations,
             held=problem.held,
-            pull=problem.pull,
+            on_places=problem.on_places,
         )
 
     def _restiffens(self, balance: Balance) -> bool:
@@ -478,7 +476,7 @@ class ContactSolve:
             self._make_room()
             system, links = self._model.system, self._model.points.links
             responses = [
-                response_of(system, number, links, _factor(body, own), own)
+                response_of(system, number, links, body.factorization(own), own)
                 for number, (body, own) in enumerate(zip(system.bodies, weights, strict=True))
             ]
             self._tangents[weights] = Tangents(responses, places=self._places(responses))
@@ -490,7 +488,7 @@ class ContactSolve:
         """How the places of links move, body by body; none where there are no links."""
         if self._attached is None or not self._attached.links.count:
             return ()
-        members = self._attached.attachments.members
+        members = self._attached.members
         return [
             place_response(responses[number], attachment) for number, _, _, attachment in members
         ]
@@ -504,12 +502,4 @@ class ContactSolve:
                 return
             del self._tangents[weights]
             for body, own in zip(self._model.system.bodies, weights, strict=True):
-                if not isinstance(body, DenseBody):
-                    body.forget(own)
-
-
-def _factor(body: Body, weights: TangentWeights) -> Inverse | Array:
-    """The factorized tangent of a meshed body; the diagonal of a rigid one's."""
-    if isinstance(body, DenseBody):
-        return body.tangent(weights)
-    return body.factorization(weights)
+                body.forget(own)

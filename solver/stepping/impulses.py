@@ -8,8 +8,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from solver.bodies.factorization import Inverse, MassInverse
-from solver.bodies.reduced_body import ReducedBody
 from solver.bodies.rigid_body import DenseBody
 from solver.contact.kinematics import in_frames
 from solver.contact.nitsche_points import same
@@ -73,19 +71,13 @@ class VelocityImpulses:
         self._points = PointTable(system, links)
         self._local = local
         self._first = np.array([*(own.start for own in self._points.own), self._points.count])
-        self._responses = []
-        for number, body in enumerate(system.bodies):
-            factor: Inverse | Array
-            if isinstance(body, DenseBody):
-                factor = body.diagonal
-            elif isinstance(body, ReducedBody):
-                factor = body.mass_inverse()
-            else:
-                factor = MassInverse(body.mass_matrix, body.fixed, body.dimension)
-            self._responses.append(response_of(system, number, links, factor))
+        self._responses = [
+            response_of(system, number, links, body.mass_inverse())
+            for number, body in enumerate(system.bodies)
+        ]
         # The mass of a meshed body commutes with rotations: on planes that do not turn G M^-1 G^T
         # does not change while the same points are closed.
-        turns = any(isinstance(body, DenseBody) and body.turns for body in system.bodies)
+        turns = any(isinstance(body, DenseBody) and not body.clamped for body in system.bodies)
         self._changes = joined(
             [np.full(link.interface.count, turns or link.interface.carrier.turns) for link in links]
         )
@@ -183,7 +175,7 @@ class VelocityImpulses:
                 response.of_mass(u[own])
                 for response, own in zip(self._responses, self.system.slices, strict=True)
             ],
-            CandidateSet(closed, self._points.frames_at(closed), kinematics),
+            CandidateSet(closed, self._points.frames_at(closed, kinematics), kinematics),
             contact_weight=1.0,
             softness=self._points.no_bed,
             beds=None,

@@ -8,11 +8,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from solver.bodies.kinematics import RigidMotion
-from solver.contact.carriers import Face
-from solver.contact.edge_crossings import CrossingInterface, Crossings
-from solver.contact.interface import carry_over, rotate_frame
+from solver.contact.edge_crossings import CrossingInterface
+from solver.contact.interface import carry_over, turned
 from solver.contact.memory import Memory
-from solver.contact.pairs import TURN, ContactPair, Link
+from solver.contact.pairs import TURN, ContactPair, Link, PairSearch
 from solver.stepping.state import State
 from solver.stepping.system import System
 from solver.types import Array, Mask
@@ -36,56 +35,23 @@ class StepStart(NamedTuple):
     exchanged: float
 
 
-class InterfaceState(NamedTuple):
-    """Frames of carriers and crossings of edges in a step.
-
-    Attributes:
-        active: What is active of each pair.
-        settled: For each interface the frame of its carrier, or the contacts of its edges.
-    """
-
-    active: Active
-    settled: tuple[Any, ...]
-
-    @classmethod
-    def of(cls, active: Active, links: Sequence[Link]) -> InterfaceState:
-        """The state of these interfaces now."""
-        carriers = [link.interface.carrier for link in links]
-        return cls(
-            active, tuple(c.detected if isinstance(c, Crossings) else c.frame for c in carriers)
-        )
-
-    def restore(self, links: Sequence[Link]) -> None:
-        """Set the interfaces of the same pairs to this state."""
-        for link, settled in zip(links, self.settled, strict=True):
-            carrier = link.interface.carrier
-            if isinstance(carrier, Crossings):
-                carrier.detected = settled
-            elif isinstance(carrier, Face):
-                carrier.frame = settled
-
-
 class BodiesInStep:
-    """The bodies of a system at the start of a step, as pairs see them.
-
-    Attributes:
-        step: Length of the step, s.
-    """
+    """The bodies of a system at the start of a step, as pairs see them."""
 
     def __init__(self, system: System, state: State, step: float):
-        """Take the state that the step starts from."""
-        self._system, self._state, self.step = system, state, step
-        self._ahead: Array | None = None
+        """Take the state that the step starts from, and its length, s."""
+        self._system, self._state, self._step = system, state, step
+        self._expected: Array | None = None
 
     def unknowns(self, body: int | None) -> Array | None:
         """Owned unknowns of a body; None for the ground."""
         return self._system.part(self._state.u, body)
 
-    def ahead(self, body: int | None) -> Array | None:
+    def expected(self, body: int | None) -> Array | None:
         """Owned unknowns of a body expected at the end of the step; None for the ground."""
-        if self._ahead is None:
-            self._ahead = self._state.u + self.step * self._state.v
-        return self._system.part(self._ahead, body)
+        if self._expected is None:
+            self._expected = self._state.u + self._step * self._state.v
+        return self._system.part(self._expected, body)
 
     def rotation(self, body: int | None) -> Array:
         """Rotation of a body, (d, d); the identity for the ground."""
@@ -107,7 +73,7 @@ class PairWatch:
 
     def __init__(self, system: System, pairs: Sequence[ContactPair]):
         """Watch the pairs."""
-        self._system, self._pairs = system, pairs
+        self._system = system
         d, still = system.dimension, len(system.bodies)
         self._ends = np.array(
             [
@@ -118,7 +84,7 @@ class PairWatch:
         # Of each body its displacement, rotation, velocity and spin; the last one stands still.
         sizes = d, d * d, d, 1 if d == 2 else 3
         self._placed = d + d * d
-        self._now = np.zeros((still + 1, sum(sizes)))
+        self._now: Array = np.zeros((still + 1, sum(sizes)))
         self._looked = np.zeros((len(pairs), 2, sum(sizes)))
         self._reach, self._slack = np.zeros((2, len(pairs)))
         self._sums = np.tile(np.repeat(np.eye(4), sizes, axis=0), (2, 1))
@@ -127,10 +93,10 @@ class PairWatch:
     def may_change(self, state: State, step: float) -> Mask:
         """Pairs that have to be looked at in a step of a length (s) from a state, (pairs,)."""
         if state is not self._state:
-            for body, row in enumerate(self._now[:-1]):
+            for body in range(len(self._now) - 1):
                 moved, velocity, spin, rotation = state.rigid_motion(self._system, body)
                 own = np.concatenate([moved, rotation.ravel(), velocity, spin])
-                row[: len(own)] = own  # what cannot turn has no spin
+                self._now[body, : len(own)] = own  # what cannot turn has no spin
             self._state = state
         change = np.abs(self._now.take(self._ends, axis=0) - self._looked)
         moved, turned, speed, spin = (change.reshape(len(change), -1) @ self._sums).T
@@ -138,11 +104,10 @@ class PairWatch:
         way = moved + step * speed + self._reach * turn
         return np.asarray((way >= self._slack) | (turn >= TURN))
 
-    def looked(self, number: int) -> None:
+    def looked(self, number: int, found: PairSearch) -> None:
         """Watch a pair, by its number, from where it has been looked at."""
-        pair = self._pairs[number]
         self._looked[number, :, : self._placed] = self._now[self._ends[number], : self._placed]
-        self._reach[number], self._slack[number] = pair.reach, pair.slack
+        self._reach[number], self._slack[number] = found.reach, found.slack
 
 
 class Interfaces:
@@ -152,6 +117,7 @@ class Interfaces:
         """Take the bodies and the pairs that may touch."""
         self._system, self._pairs = system, tuple(pairs)
         self._watch = PairWatch(system, self._pairs)
+        self._found: list[PairSearch | None] = [None] * len(self._pairs)  # when looked at last
         self._last: Active | None = None
         self._links: tuple[tuple[Link, ...], ...] = ()  # of what was active last, pair by pair
         self._flat: tuple[Link, ...] = ()
@@ -181,9 +147,11 @@ class Interfaces:
         found = list(before or [None] * len(self._pairs))
         may_change = self._watch.may_change(state, step)
         for number, pair in enumerate(self._pairs):
-            if may_change[number] or pair.looked != (found[number],):
-                found[number] = pair.active(bodies, found[number])
-                self._watch.looked(number)
+            last = self._found[number]
+            if may_change[number] or last is None or last.active != found[number]:
+                last = self._found[number] = pair.search(bodies, found[number])
+                found[number] = last.active
+                self._watch.looked(number, last)
         return before if before is not None and tuple(found) == before else tuple(found)
 
     def overlap(self, state: State) -> bool:
@@ -207,10 +175,9 @@ class Interfaces:
     def _fresh(self, link: Link, state: State) -> Memory:
         """The memory of an interface without contact forces in a state."""
         bodies = BodiesInStep(self._system, state, 0.0)
-        if link.carrier is not None:
-            link.interface.carrier.rotate_frame(bodies.rotation(link.carrier))
         own, carrier = bodies.unknowns(link.body), bodies.unknowns(link.carrier)
-        return link.interface.start(own, carrier, bodies.rotation(link.body))
+        rotations = bodies.rotation(link.body), bodies.rotation(link.carrier)
+        return link.interface.start(own, carrier, *rotations)
 
     def energy(self, active: Active, contacts: Sequence[Memory]) -> float:
         """Energy stored in all interfaces, J."""
@@ -257,7 +224,7 @@ class Interfaces:
             if link.carrier is not None and link.interface.carrier.turns:
                 carrier = self._system.rotation(ahead, link.carrier)
             own = bodies.rotation(link.body)
-            memory, lost = rotate_frame(link.interface, memory, own, carrier)
+            memory, lost = turned(link.interface, memory, own, carrier)
             exchanged += lost
             found.append(memory)
         return StepStart(active, found, exchanged)

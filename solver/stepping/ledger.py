@@ -13,7 +13,7 @@ import numpy as np
 
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.elastic_forms import MOST_COMPRESSED
-from solver.bodies.rigid_body import DenseBody
+from solver.bodies.reduced_body import ReducedBody
 from solver.contact.memory import Memory
 from solver.contact.pairs import Link
 from solver.parallel import any_rank, global_sum
@@ -133,7 +133,7 @@ def step_sums(system: System, ends: StepEnds, dp: Array) -> StepSums:
             lost = float(viscous.dot(du[own]))
             sums.damping += lost
             sums.increment += dt / body.damping.stiffness * lost
-        elif not isinstance(body, DenseBody):
+        elif isinstance(body, ElasticBody | ReducedBody):
             sums.increment += body.increment_energy(ends.u[own])
             if viscous is not None:
                 sums.damping += float(viscous @ du[own])

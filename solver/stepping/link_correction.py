@@ -17,7 +17,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from solver.bodies.attachment import Attachment, MeshedAttachment, RigidAttachment
-from solver.stepping.attached import Pull, StepAttached
+from solver.stepping.attached import AttachedForces, StepAttached
 from solver.stepping.delassus import Delassus
 from solver.stepping.response import AnyResponse, DenseResponse, ElasticMotion, ElasticResponse
 from solver.types import Array, Indices
@@ -137,15 +137,15 @@ class LinkCorrection:
     def __init__(
         self,
         step: StepAttached,
-        pull: Pull,
+        forces: AttachedForces,
         places: Sequence[PlaceResponse],
         corrected: CorrectedBodies,
     ):
         """Take links at the iterate, places of all bodies, and the free motions of these."""
-        self._step, self._links, self._places = step, pull.links, places
-        self._members = step.attached.attachments.members
+        self._step, self._links, self._places = step, forces.links, places
+        self._members = step.attached.members
         self._weight = corrected.weight
-        rows = pull.links.rows
+        rows = forces.rows
         n = len(rows)
         self._motions: list[tuple[Indices, list[Any]]] = []
         """Of each body with places the directions that move it, and its motion by each of them."""
@@ -162,7 +162,7 @@ class LinkCorrection:
             self._free += np.tensordot(along, place.read(at, corrected.free[number]), 2)
             self._motions.append((directions, motions))
         self._change: Array = np.zeros(n)
-        self._trial, self._rounds = pull.links.extension, 0
+        self._trial, self._rounds = forces.links.extension, 0
         self._bias: Array = np.zeros(n)
         self._tangent: Array = np.zeros((n, n))
         self._linearise()

@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from solver.bodies.rigid_body import DenseBody
 from solver.scheme.step_control import Tolerance
 from solver.stepping.state import State
 from solver.stepping.system import System
@@ -70,11 +69,7 @@ class LocalError:
     def __init__(self, system: System, size: float):
         """Refer errors to a length R, m."""
         self._system, self._size = system, size
-        self._meshed = [
-            (number, body, own)
-            for number, (body, own) in enumerate(system.members)
-            if not isinstance(body, DenseBody)
-        ]
+        self._meshed = [(system.bodies.index(body), body, own) for body, own in system.meshed]
 
     def start(self, state: State) -> Past:
         """Differences before the first step, from a state."""

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solver.contact.bed import Yielding
-from solver.contact.kinematics import Observed
+from solver.contact.kinematics import ContactKinematics, Observed
 from solver.contact.memory import Memory
 from solver.contact.pairs import Link
 from solver.law.friction import Bounds, new_pasts
@@ -38,20 +38,9 @@ def numbered(links: Sequence[Link]) -> list[slice]:
     return [slice(start, end) for start, end in zip([0, *ends[:-1]], ends, strict=True)]
 
 
-class JoinedBounds(NamedTuple):
-    """Bounds of friction of several interfaces."""
-
-    each: Sequence[Bounds]
-    """Bounds of each interface."""
-    mu: Array
-    """Coefficients of friction of all points, (points,)."""
-    cohesion: Array
-    """Their cohesion, (points,), N."""
-
-    @classmethod
-    def of(cls, each: Sequence[Bounds]) -> JoinedBounds:
-        """The bounds of the interfaces put together."""
-        return cls(each, joined([own.mu for own in each]), joined([own.cohesion for own in each]))
+def joined_bounds(each: Sequence[Bounds]) -> Bounds:
+    """Bounds of friction of several interfaces one after another."""
+    return Bounds(joined([own.mu for own in each]), joined([own.cohesion for own in each]))
 
 
 class PointTable:
@@ -65,9 +54,8 @@ class PointTable:
         softness: 1/(gamma_h w), 0 for points of rigid bodies, (points,), m/N.
         has_bed: True if points stand on beds.
         no_bed: The softness of beds where there are none, (points,), m/N.
-        steady: True if friction depends on neither speed nor the past.
         decays: True if that of some points decays with the speed.
-        bounds: Bounds of steady friction; None where it is not steady.
+        bounds: Bounds of friction that depends on neither speed nor the past; None: some does.
         turning: Points whose carriers turn, (points,).
         size: Of the body that each point belongs to, (points,), m.
         round_off: Round-off of their gaps, (points,), m.
@@ -85,13 +73,12 @@ class PointTable:
         self.no_bed: Array = np.zeros(self.count)
         self.has_bed = any(link.interface.beds is not None for link in links)
         laws = [link.interface.law for link in links]
-        self.steady = all(law.constant for law in laws)
         self.decays = any(law.decays for law in laws)
-        self.bounds: JoinedBounds | None = None
-        if self.steady:
+        self.bounds: Bounds | None = None
+        if all(law.constant for law in laws):
             interfaces = [link.interface for link in links]
             each = [interface.bounds(new_pasts(interface.count)) for interface in interfaces]
-            self.bounds = JoinedBounds.of(each)
+            self.bounds = joined_bounds(each)
         self._of_interfaces: dict[tuple[bool, ...], Mask] = {}
         self.turning = self.of_interfaces(tuple(carrier.turns for carrier in self.carriers))
         self._frames_of: tuple[bytes, Array] | None = None
@@ -105,27 +92,25 @@ class PointTable:
             self._of_interfaces[chosen] = np.repeat(chosen, counts)
         return self._of_interfaces[chosen]
 
-    @property
-    def frames(self) -> list[Array]:
-        """Frames of the carriers in the present step, of each interface."""
-        return [carrier.frame for carrier in self.carriers]
+    def frames_at(self, chosen: Indices, seen: Sequence[ContactKinematics | None]) -> Array:
+        """Frames at some of the points, whose numbers rise, (m, d, d); to be read only.
 
-    def frames_at(self, chosen: Indices) -> Array:
-        """Frames at some of the points, whose numbers rise, (m, d, d); to be read only."""
+        By the kinematics of all interfaces; None for one that has none of the points.
+        """
         key, kept = chosen.tobytes(), self._frames_of
         if kept is None or kept[0] != key or self.turning.take(chosen).any():
-            kept = self._frames_of = key, self._new_frames(chosen)
+            kept = self._frames_of = key, self._new_frames(chosen, seen)
         return kept[1]
 
-    def _new_frames(self, chosen: Indices) -> Array:
+    def _new_frames(self, chosen: Indices, seen: Sequence[ContactKinematics | None]) -> Array:
         """Frames at some of the points, put together."""
-        frames = self.frames
-        d = frames[0].shape[-1]
+        d = self._system.dimension
         found = np.empty((len(chosen), d, d))
-        for frame, part in zip(frames, self.own, strict=True):
+        for kinematics, part in zip(seen, self.own, strict=True):
             first, last = chosen.searchsorted((part.start, part.stop))
-            own = chosen[first:last] - part.start
-            found[first:last] = frame if frame.ndim == 2 else frame[own]
+            if kinematics is not None:
+                own, frame = chosen[first:last] - part.start, kinematics.frame
+                found[first:last] = frame if frame.ndim == 2 else frame[own]
         return found
 
     def beds(self, memories: Sequence[Memory], step: float) -> Yielding | None:
@@ -151,7 +136,7 @@ class PointTable:
                 rests[own] = rest
         return rests
 
-    def observe(self, number: int, u: Array) -> Observed:
-        """An interface at a displacement of all owned unknowns."""
+    def observe(self, number: int, u: Array, since: Memory) -> Observed:
+        """An interface at a displacement of all owned unknowns, in a step since a memory."""
         link = self.links[number]
-        return link.interface.observe(*self._system.parts(u, link))
+        return link.interface.observe(*self._system.parts(u, link), since)

@@ -83,7 +83,7 @@ def with_impulses(system: System, forces: GroundForces, change: Array, dt: float
     return GroundForces(nodal, total)
 
 
-def standing_forces(system: System, state: State, gravity: Array) -> GroundForces:
+def forces_at_rest(system: System, state: State, gravity: Array) -> GroundForces:
     """Forces of the ground at the start, where nothing moves yet; gravity in m/s2, (d,)."""
     nodal, total = state.held.copy(), np.zeros(system.dimension)
     weight = gravity @ system.directional_mass

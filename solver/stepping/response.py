@@ -18,7 +18,6 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
-import scipy.sparse as sp
 
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.reduced_body import ReducedBody
@@ -128,7 +127,6 @@ class Response(Protocol[Configuration, Coupling, Motion]):
         at: Configuration,
         free: Motion,
         moved: Array,
-        frames: Sequence[Array],
         kinematics: Kinematics,
     ) -> None:
         """Add what a free motion does to the augmented positions of all points to `moved`."""
@@ -181,7 +179,7 @@ class DenseResponse:
     def __init__(self, body: DenseBody, tangent: Array, sides: Sequence[BodyRole]):
         """Take the body, the diagonal of its tangent or mass, and its parts in interfaces."""
         self.body, self.tangent, self.sides = body, tangent, sides
-        self._standing = None if body.turns else self._configuration(np.zeros(body.unknowns))
+        self._unmoved = self._configuration(np.zeros(body.unknowns)) if body.clamped else None
 
     @property
     def nbytes(self) -> float:
@@ -190,8 +188,8 @@ class DenseResponse:
 
     def at(self, u: Array, start: Array | None) -> DenseConfiguration:
         """Rows of all surface points at a displacement; those of a step's start are not needed."""
-        if self._standing is not None:
-            return self._standing
+        if self._unmoved is not None:
+            return self._unmoved
         return self._configuration(self.body.replicate(u))
 
     def of_mass(self, u: Array) -> DenseConfiguration:
@@ -206,7 +204,7 @@ class DenseResponse:
             np.repeat(-rows_of_side[:1], side.count, axis=0)
             for side, rows_of_side in zip(self.sides, rows, strict=True)
         ]
-        return DenseConfiguration(pose if self.body.turns else None, rows, level)
+        return DenseConfiguration(None if self.body.clamped else pose, rows, level)
 
     def close(self, now: DenseConfiguration, before: DenseConfiguration) -> bool:
         """True if the body has not moved, or has the same rows wherever it is."""
@@ -242,15 +240,14 @@ class DenseResponse:
         at: DenseConfiguration,
         free: Array,
         moved: Array,
-        frames: Sequence[Array],
         kinematics: Kinematics,
     ) -> None:
         """Add what a free motion does to the positions of all points to `moved`."""
         for number, side in enumerate(self.sides):
-            if kinematics[side.interface] is None:
-                continue
-            rows = self._at(at, number, kinematics)
-            moved[side.own] += in_frames(rows @ free, frames[side.interface])
+            seen = kinematics[side.interface]
+            if seen is not None:
+                rows = self._at(at, number, kinematics)
+                moved[side.own] += in_frames(rows @ free, seen.frame)
 
     def couple(self, at: DenseConfiguration, near: CandidateSet, weight: float, W: Array) -> Array:
         """Add the compliance among near points; returns their rows, (m, d, unknowns)."""
@@ -320,7 +317,7 @@ class _ReadRows(NamedTuple):
     @classmethod
     def of(cls, port: InterfaceDofs, d: int) -> _ReadRows:
         """The rows of a group of ports."""
-        rows = sp.csr_matrix(port.read_rows)
+        rows = port.read_rows
         index = rows.indices.astype(np.int64)
         column = port.layer.numbers(index // d) * d + index % d
         return cls(rows.indptr.astype(np.int64), column, rows.data)
@@ -399,16 +396,15 @@ class ElasticResponse:
         at: Array,
         free: ElasticMotion,
         moved: Array,
-        frames: Sequence[Array],
         kinematics: Kinematics,
     ) -> None:
         """Add what a free motion does to the augmented positions of all points to `moved`."""
         for side, port, rows in zip(self.sides, self.compliance.ports, self._rows, strict=True):
-            if kinematics[side.interface] is None:
+            seen = kinematics[side.interface]
+            if seen is None:
                 continue
             nodes = port.layer.reached(free.nodes.reshape(-1, self.body.dimension)).reshape(-1)
-            frame = frames[side.interface]
-            each = frame[None] if frame.ndim == 2 else frame
+            each = seen.frame[None] if seen.frame.ndim == 2 else seen.frame
             spots = side.spots(kinematics)
             if spots is None:
                 meshed.add_readings(moved, side.first, side.sign, *rows, nodes, free.push, each, at)

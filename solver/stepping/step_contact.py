@@ -17,7 +17,7 @@ from solver.law.many_points import MANY_ROWS
 from solver.stepping.active_set import ContactMargin
 from solver.stepping.balance import Balance
 from solver.stepping.delassus import Delassus, Softening
-from solver.stepping.point_table import JoinedBounds, PointTable, copied, joined
+from solver.stepping.point_table import PointTable, copied, joined, joined_bounds
 from solver.stepping.system import System
 from solver.types import Array, Indices
 
@@ -49,7 +49,7 @@ class FrictionBounds:
     """Bounds of friction in one step.
 
     Attributes:
-        bounds: Bounds of each interface, by the last slip.
+        bounds: Those of all points, by the last slip.
         steady: True if friction depends on neither speed nor the past: it is constant.
     """
 
@@ -58,12 +58,12 @@ class FrictionBounds:
 
         The step, s, is infinite in equilibrium; `glued`: closed points hold any friction.
         """
-        self._points, self.steady, self._decays = points, points.steady, points.decays
-        self._step, self._glued = step, glued
-        self._joined = points.bounds
-        if self._joined is not None and not glued:
-            self.bounds: Sequence[Bounds] = self._joined.each
-            return  # friction is constant in this step
+        self._points, self._step = points, step
+        steady = Bounds.uniform(STICKING_MU, points.count) if glued else points.bounds
+        self.steady, self._decays = steady is not None, points.decays and not glued
+        if steady is not None:
+            self.bounds = steady
+            return
         self._pasts = [memory.past for memory in memories]
         laws = [link.interface.law for link in points.links]
         # Only where a law needs it.
@@ -73,23 +73,9 @@ class FrictionBounds:
         ]
         self._speed: Array = np.zeros(points.count)
         pairs = zip(points.links, self._pasts, strict=True)
-        self.bounds = [link.interface.bounds(past) for link, past in pairs]
+        self.bounds = joined_bounds([link.interface.bounds(past) for link, past in pairs])
         # The coefficients follow the speed of this step, not that of the last one.
         self.bounds = self._at_speed(self._speed)
-
-    def at(self, near: Indices) -> Bounds:
-        """Bounds of some points."""
-        mu, cohesion = self.of_all()
-        return Bounds(mu.take(near), cohesion.take(near))
-
-    def of_all(self) -> tuple[Array, Array]:
-        """Coefficients of friction of all points, (points,), and their cohesion, N.
-
-        They are put together once, for as long as they stay.
-        """
-        if self._joined is None or self._joined.each is not self.bounds:
-            self._joined = JoinedBounds.of(self.bounds)
-        return self._joined.mu, self._joined.cohesion
 
     def tell(self, slip: Array) -> None:
         """Take the bounds that go with slips of all points in the step, (points, d-1), m."""
@@ -105,12 +91,11 @@ class FrictionBounds:
         if not self._decays:
             return False
         solved_with = self.bounds
-        before, _ = self.of_all()
         self._speed = self._speed.copy()
         self._speed[near] = self._speed_of((q + image(W, force))[:, 1:])
         self.bounds = self._at_speed(self._speed)
-        after, _ = self.of_all()
-        if np.abs(after - before).max() > SAME_FRICTION * before.max():
+        before = solved_with.mu
+        if np.abs(self.bounds.mu - before).max() > SAME_FRICTION * before.max():
             return True
         # Points that slip are at the bounds that their forces were solved with, to the last digit.
         self.bounds = solved_with
@@ -125,8 +110,8 @@ class FrictionBounds:
         """
         any_loose = False
         for k, (link, own) in enumerate(zip(self._points.links, self._points.own, strict=True)):
-            if link.interface.law.jumps and not self._glued:
-                at = force[own], slip[own], compliance[own], self.bounds[k]
+            if link.interface.law.jumps:
+                at = force[own], slip[own], compliance[own], self.bounds.of(own)
                 loose = slipping_points(*at) & ~self._slips[k]
                 self._slips[k] |= loose
                 any_loose |= bool(loose.any())
@@ -138,16 +123,16 @@ class FrictionBounds:
         """Speed (m/s) of slips in a step, (m, d-1)."""
         return np.sqrt(np.sum(slip**2, axis=1)) / self._step
 
-    def _at_speed(self, speed: Array) -> list[Bounds]:
-        """Bounds of each interface, by the speed of slip of all points, m/s."""
-        points = self._points
-        if self._glued:
-            return [Bounds.uniform(STICKING_MU, link.interface.count) for link in points.links]
-        parts = zip(points.links, points.own, self._pasts, self._slips, self.bounds, strict=True)
-        return [
-            link.interface.bounds_followed(past, before.mu, speed[own], slips)
-            for link, own, past, slips, before in parts
-        ]
+    def _at_speed(self, speed: Array) -> Bounds:
+        """Bounds by the speed of slip of all points, m/s."""
+        points, mu = self._points, self.bounds.mu
+        parts = zip(points.links, points.own, self._pasts, self._slips, strict=True)
+        return joined_bounds(
+            [
+                link.interface.bounds_followed(past, mu[own], speed[own], slips)
+                for link, own, past, slips in parts
+            ]
+        )
 
 
 MOST_FRICTION_ROUNDS = 50
@@ -241,7 +226,8 @@ class StepContact:
         shape = W.shape[:2]
         change, q = np.empty(shape), np.empty(shape)
         alone = not self._points.decays and q.size <= MANY_ROWS
-        how = *self.friction.of_all(), alone, self._local.counts
+        mu, cohesion, _ = self.friction.bounds
+        how = mu, cohesion, alone, self._local.counts
         outcome, count, squares = meshed.settle(
             y, near, W, operator.softening, *self._of_points, *how, q, change
         )
@@ -270,7 +256,7 @@ class StepContact:
         near, W = operator.near.number, operator.W
         force = self.force.take(near, axis=0)
         for _ in range(MOST_FRICTION_ROUNDS):
-            force = self._local.solve(W, q, force, self.friction.at(near), near)
+            force = self._local.solve(W, q, force, self.friction.bounds.of(near), near)
             if not self.friction.follows(near, W, q, force):
                 break
         return meshed.take_over(self.force, near, force, change)

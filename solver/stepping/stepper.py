@@ -33,14 +33,14 @@ from solver.stepping.balance import (
 )
 from solver.stepping.contact_solve import ContactSolve, StepFailed
 from solver.stepping.impulses import UNCHANGED, VelocityCorrection, VelocityImpulses
-from solver.stepping.interfaces import Active, Interfaces, InterfaceState, StepStart
+from solver.stepping.interfaces import Active, Interfaces, StepStart
 from solver.stepping.ledger import StepEnds, beyond_law, numerical_loss, step_sums
 from solver.stepping.point_table import joined
 from solver.stepping.pushes import pushes
 from solver.stepping.reactions import (
     HeldForces,
+    forces_at_rest,
     ground_forces,
-    standing_forces,
     with_impulses,
 )
 from solver.stepping.state import Exchange, GroundForces, Push, RotationPrediction, State
@@ -101,7 +101,7 @@ class Stepper:
         self._petsc_options = tuple(petsc_options)
         self._resources = ExitStack()
 
-    def _join(self, active: Active) -> None:
+    def join(self, active: Active) -> None:
         """Make these interfaces the active ones; tangents change with them."""
         if active is self._active or active == self._active:
             return
@@ -121,22 +121,11 @@ class Stepper:
     def prepare(self, state: State, dt: float) -> StepStart:
         """Start of a step of length `dt` (s) from a state.
 
-        The frames of carriers are those of this step afterwards, and faces that have turned to
-        others are active; the state stays as it is.
+        Faces that have turned to others are active afterwards; the state stays as it is.
         """
         active = self._interfaces.active(state, dt, state.active)
-        self._join(active)
+        self.join(active)
         return self._interfaces.start(state, active, dt)
-
-    def standing(self) -> InterfaceState:
-        """Frames of the interfaces in the step that was prepared last, for `stand`."""
-        assert self._active is not None
-        return InterfaceState.of(self._active, self.links)
-
-    def stand(self, standing: InterfaceState) -> None:
-        """Let the interfaces stand as in an earlier step."""
-        self._join(standing.active)
-        standing.restore(self.links)
 
     def saved(self) -> dict[str, Any]:
         """Data that the digits of further steps depend on besides the state, for `resume`."""
@@ -155,7 +144,7 @@ class Stepper:
         for body, strained_at in zip(self.system.bodies, saved["strained"], strict=True):
             if isinstance(body, ElasticBody) and strained_at is not None:
                 body.resume_stiffness(strained_at)
-        self._join(saved["active"])
+        self.join(saved["active"])
         self._solve.resume(saved["solve"])
         if saved["impulses"] is not None:
             self._impulses = VelocityImpulses(self.system, self.links, self.local)
@@ -168,13 +157,13 @@ class Stepper:
 
     def ground_forces(self, state: State) -> GroundForces:
         """Forces of the ground on bodies that it holds at the start of a run."""
-        return standing_forces(self.system, state, self.gravity)
+        return forces_at_rest(self.system, state, self.gravity)
 
     def start(self, u: Array, v: Array, time: float = 0.0) -> State:
         """A state whose inertia balances stresses, without loads and contact forces (r_0 = 0)."""
         state = State(time, u, v, p=np.zeros_like(u), contacts=(), motions={})
         active = self._interfaces.active(state, 0.0, None)
-        self._join(active)
+        self.join(active)
         contacts = self._interfaces.fresh(active, state)
         return self._begun(state._replace(contacts=contacts, active=active))
 
@@ -183,7 +172,7 @@ class Stepper:
         state = consistent(self.system, self.links, state)
         if self.attached is None:
             return state
-        places, links = self.attached.attachments.values(state.u), self.attached.links
+        places, links = self.attached.values(state.u), self.attached.links
         memory = links.start(places)
         return state._replace(body_links=memory, spring=state.spring + links.energy(memory))
 
@@ -218,15 +207,15 @@ class Stepper:
             StepFailed: Where there is no equilibrium.
         """
         state = start or self.start(u, np.zeros_like(u))
-        self._join(state.active)
+        self.join(state.active)
         system = self.system
         for body, own in system.members:
             body.begin_static(u[own])
         gravity = self.gravity @ system.directional_mass
         total = gravity if load is None else gravity + load
-        standing, loads = self._standing(u, pushed=pushed), total
-        if standing is not None:
-            loads = standing.with_loads(total, 1.0)
+        attached, loads = self._attached_at_rest(u, pushed=pushed), total
+        if attached is not None:
+            loads = attached.with_loads(total, 1.0)
         balance = Balance(
             contact=state.contacts,
             weights=static_weights(system.bodies, steady),
@@ -236,7 +225,7 @@ class Stepper:
             way=None,
             rotations=[None] * len(system.bodies),
             glued=glued,
-            attached=standing,
+            attached=attached,
         )
         solution = self._solve.solve(balance, u)
         contacts, _ = remembered(self.links, state.contacts, solution.contacts, np.inf)
@@ -248,11 +237,11 @@ class Stepper:
             raise StepFailed(beyond_law(system, u))
         return stands
 
-    def _standing(self, u: Array, *, pushed: bool) -> StepAttached | None:
+    def _attached_at_rest(self, u: Array, *, pushed: bool) -> StepAttached | None:
         """Links and forces in an equilibrium; None without any."""
         if self.attached is None:
             return None
-        applied = self.attached.applied(0.0, 0.0, self.system.dimension)
+        applied = self.attached.applied(0.0, 0.0)
         return StepAttached(self.attached, u, applied * pushed, None, np.inf)
 
     def _load(self, time: float, dt: float) -> Array:
@@ -273,14 +262,15 @@ class Stepper:
             StepFailed: The state can then be tried again with another step.
         """
         step = self._begin(state, dt)
+        attached = step.attached
         balance = balance_of(self.system, state, step, self._weights(step.scheme, dt))
         guess = extrapolated(self.system, state, step.turning)
         try:
             solution = self._solve.solve(balance, guess)
-            while step.attached and solution.pull and step.attached.breaks_at(solution.pull):
+            while attached and solution.on_places and attached.breaks_at(solution.on_places):
                 solution = self._solve.solve(balance, guess)
         except StepFailed:
-            self._join(state.active)
+            self.join(state.active)
             raise
         return self._ended(state, step, solution, state.time + dt if end is None else end)
 
@@ -291,7 +281,7 @@ class Stepper:
         motions = [state.rigid_motion(self.system, number) for number in bodies]
         attached = None
         if self.attached is not None:
-            applied = self.attached.applied(state.time, dt, self.system.dimension)
+            applied = self.attached.applied(state.time, dt)
             attached = StepAttached(self.attached, state.u, applied, state.body_links, dt)
         turning = RotationPrediction.of([motion.spin for motion in motions], dt, state.turning)
         return Step(
@@ -315,14 +305,16 @@ class Stepper:
         v = 2 * mean - state.v
         impulsive, residual = impulsive_forces(system, u, dt), solution.residual
         ends = StepEnds(dt, u, v, du, mean, impulsive, residual, solution.inertia)
-        p = inertia_force(system, self.links, state, step, ends, solution.contacts, solution.pull)
+        p = inertia_force(
+            system, self.links, state, step, ends, solution.contacts, solution.on_places
+        )
         at_supports: Array = np.empty(0)
         if len(system.fixed):
             at_supports, p[system.fixed] = p[system.fixed], 0.0
         contacts, lost = remembered(self.links, old, solution.contacts, dt)
         sums = step_sums(system, ends, p - step.p)
         if not math.isfinite(sums.energies.strain):
-            self._join(state.active)
+            self.join(state.active)
             raise StepFailed(beyond_law(system, u))
         correction = self._velocity_correction(u, v, solution, step, lost.friction)
         held, ground = state.held, None
@@ -333,8 +325,8 @@ class Stepper:
                 ground = with_impulses(system, ground, correction.change, dt)
         changed = any_rank(system.comm, contact_changed(old, contacts, self._rigid))
         pulled = UNATTACHED
-        if step.attached is not None and solution.pull is not None:
-            pulled = step.attached.end(solution.pull, state.time)
+        if step.attached is not None and solution.on_places is not None:
+            pulled = step.attached.end(solution.on_places, state.time)
             changed = changed or bool(step.attached.breaks.any())
         new = State(
             time=end,
@@ -355,7 +347,7 @@ class Stepper:
             damped_until=end + self.scheme.damped_time if changed else state.damped_until,
         )
         if self._interfaces.overlap(new):
-            self._join(state.active)
+            self.join(state.active)
             raise StepFailed("bodies that were far apart have come to overlap")
         averaged = numerical_loss(sums, self.links, old=old, new=contacts, skew=step.scheme.skew)
         exchange = Exchange(

@@ -3,29 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from mpi4py import MPI
 
 import numpy as np
 import scipy.sparse as sp
 
+from solver.bodies.body import Body
 from solver.bodies.elastic_body import ElasticBody
-from solver.bodies.factorization import Inverse
 from solver.bodies.reduced_body import ReducedBody
-from solver.bodies.rigid_body import DenseBody, Oscillator
+from solver.bodies.rigid_body import DenseBody
 from solver.contact.body_points import NitschePoints, NodePoints, SurfacePoints
 from solver.contact.interface import Interface
 from solver.contact.kinematics import Parts
-from solver.contact.nitsche_points import compact
 from solver.contact.pairs import Link
 from solver.scheme.generalized_alpha import TangentWeights
 from solver.stepping.compliance import Compliance, InterfaceDofs
 from solver.stepping.response import AnyResponse, BodyRole, DenseResponse, ElasticResponse
 from solver.types import Array
-
-Body = ElasticBody | ReducedBody | DenseBody
-"""A part of the scene that moves: meshed, reduced, or of a few unknowns. All offer the same
-methods."""
 
 
 class System:
@@ -54,11 +50,11 @@ class System:
         self.members = tuple(zip(self.bodies, self.slices, strict=True))
         """All bodies, and where their unknowns are."""
         self.meshed = tuple(
-            (body, own) for body, own in self.members if not isinstance(body, DenseBody)
+            (body, own) for body, own in self.members if isinstance(body, ElasticBody | ReducedBody)
         )
         """Meshed and reduced ones."""
 
-        self.grounded = tuple((body, own) for body, own in self.members if _stands_on_ground(body))
+        self.grounded = tuple((body, own) for body, own in self.members if body.clamped)
         """Bodies that supports or springs to the ground hold, and where their unknowns are."""
         self.clamped = tuple((body, own) for body, own in self.meshed if body.clamped)
         """The meshed ones of these; the same on all ranks."""
@@ -111,11 +107,6 @@ class System:
         return self.bodies[body].rotation(u[self.slices[body]])
 
 
-def _stands_on_ground(body: Body) -> bool:
-    """True if supports or springs between a body and the ground exchange forces."""
-    return isinstance(body, Oscillator) or (not isinstance(body, DenseBody) and body.clamped)
-
-
 def _is_tied(body: Body, at_rest: Array) -> bool:
     """True if a spring, a dashpot or damping acts on what moves over the ground; collective."""
     return body.spring(at_rest) is not None or body.drag(at_rest) is not None
@@ -142,7 +133,7 @@ def response_of(
     system: System,
     body: int,
     links: Sequence[Link],
-    factor: Inverse | Array,
+    factor: Any,
     weights: TangentWeights | None = None,
 ) -> AnyResponse:
     """The response of a body, by its number.
@@ -153,9 +144,8 @@ def response_of(
     member, sides = system.bodies[body], sides_of(body, links)
     tractions = weights is not None
     if isinstance(member, DenseBody):
-        assert isinstance(factor, np.ndarray)
         return DenseResponse(member, factor, sides)
-    assert not isinstance(factor, np.ndarray)
+    assert isinstance(member, ElasticBody | ReducedBody)
     ports = [
         system.ports(side.points, links[side.interface].interface, tractions=tractions)
         for side in sides
@@ -167,18 +157,23 @@ def response_of(
 def ports_of(points: SurfacePoints, interface: Interface, *, tractions: bool) -> InterfaceDofs:
     """Rows between points of a meshed body, read with their tractions or not, and its nodes."""
     if isinstance(points, NodePoints):
-        d = points.dimension
-        rows = (points.chosen[:, None] * d + np.arange(d)).ravel()
-        rows = compact(sp.identity(points.layer.size * d, format="csr")[rows])
-        return InterfaceDofs(points.layer, rows, rows, points.count, symmetric=True)
+        rows = sp.identity(points.count * points.dimension, format="csr")
+        return InterfaceDofs(points.layer, rows, rows, points.count)
     assert isinstance(points, NitschePoints)
     position = points.points.position_rows()
-    if not tractions:
-        rows = compact(position)
-        return InterfaceDofs(points.points.layer, rows, rows, points.count, symmetric=True)
-    traction = points.points.traction_rows()
-    scale = sp.diags(np.repeat(interface.inverse_gamma, points.dimension))
-    read = compact(position - scale @ traction)
-    force = compact(position - interface.theta * scale @ traction)
-    symmetric = interface.theta == 1
-    return InterfaceDofs(points.points.layer, force, read, points.count, symmetric=symmetric)
+    read = force = position
+    if tractions:
+        scale = sp.diags(np.repeat(interface.inverse_gamma, points.dimension))
+        given = scale @ points.points.traction_rows()
+        read = force = _without_zeros(position - given)
+        if interface.theta != 1:
+            force = _without_zeros(position - interface.theta * given)
+    return InterfaceDofs(points.points.layer, force, read, points.count)
+
+
+def _without_zeros(matrix: sp.csr_matrix) -> sp.csr_matrix:
+    """A matrix without the entries that are zero, the others of each row in order."""
+    found = sp.csr_matrix(matrix)
+    found.eliminate_zeros()
+    found.sort_indices()
+    return found

@@ -45,6 +45,6 @@ def test_a_point_is_found_on_its_facet(seed: int, moved: float) -> None:
         for each in (nodes, undeformed)
     )
     face = Face(FixedPoints(undeformed), facets, FRAME, "quadrilateral")
-    found = face.kinematics(here, PointState(nodes))
+    found = face.kinematics(here, PointState(nodes), FRAME)
     np.testing.assert_allclose(found.place[:, 1:], there[:, :2], atol=1e-12)
     assert not np.any(face.beyond_edge(found))

@@ -59,8 +59,7 @@ def whole_rows(made: ElasticResponse, *, forces: bool) -> np.ndarray:
     """Rows of all ports on all unknowns, dense."""
     parts = []
     for port in made.compliance.ports:
-        rows = port.force_rows if forces else port.read_rows
-        rows = rows if isinstance(rows, np.ndarray) else rows.toarray()
+        rows = (port.force_rows if forces else port.read_rows).toarray()
         d = made.body.dimension
         spread = np.zeros((len(rows), made.body.owned, d))
         spread[:, port.layer.index] = rows.reshape(len(rows), -1, d)

@@ -182,7 +182,8 @@ def test_theta_matrix(thing, theta):
         """int (theta/gamma_h) T.DT[w] as nodal forces, added up over the body's unknowns."""
         surface = thing.surface(s * v)
         nothing = np.zeros((points.count, 2))
-        pull = interface.traction_pull(nothing, ForceWeights.of(1.0, 1.0, 1.0))
+        frame = interface.carrier.reference_frame
+        pull = interface.traction_pull(nothing, frame, ForceWeights.of(1.0, 1.0, 1.0))
         total = np.zeros(body.size)
         interface.points.add_forces(total, surface, surface, nothing, pull)
         return total
@@ -196,12 +197,12 @@ def test_forces_of_contact_do_the_work_of_the_augmented_position(thing):
     u0, u1 = thing.displacement(13, 0.1, 1e-2), thing.displacement(14, 0.15, 1e-2)
     old, new = thing.surface(u0), thing.surface(u1)
     force = np.random.default_rng(15).standard_normal((points.count, 2))
-    pull = interface.traction_pull(force, ForceWeights.of(1.0, 0.0, 1.0))
-    vectors, reaction = interface.point_forces(
-        *(interface.observe(u, None)[1] for u in (u0, u1)), force
-    )
+    frame = interface.carrier.reference_frame
+    pull = interface.traction_pull(force, frame, ForceWeights.of(1.0, 0.0, 1.0))
+    ends = [interface.over(surface, None, frame) for surface in (old, new)]
+    vectors, reaction = interface.point_forces(*ends, force)
     total = np.zeros(thing.body.size)
     interface.points.add_forces(total, old, new, vectors, pull)
-    y_old, y_new = (interface.observe(u, None)[1].augmented for u in (u0, u1))
+    y_old, y_new = (end.augmented for end in ends)
     assert reaction is None
     assert total @ (u1 - u0) == pytest.approx(float(np.sum(force * (y_new - y_old))), rel=1e-11)

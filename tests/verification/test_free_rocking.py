@@ -202,7 +202,7 @@ def test_memory_survives_when_a_face_joins() -> None:
     faces = frozenset({FacetTag.BOTTOM, FacetTag.RIGHT})
     pair, active = stepper._interfaces._pairs[0], state.active[0]._replace(faces=faces)
     together = pair.links(active, frozenset())[0].interface
-    fresh = together.start(state.u, None, np.eye(2))
+    fresh = together.start(state.u, None, np.eye(2), np.eye(2))
     after = carry_over(before, alone, together, fresh)
     place = {key: k for k, key in enumerate(together.keys())}
     assert len(place) > len(keys)

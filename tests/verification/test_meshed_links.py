@@ -144,7 +144,7 @@ def test_a_link_to_a_platform_keeps_the_balance_of_momentum() -> None:
     for _ in range(100):
         new, exchange = stepper.advance(state, 2e-3)
         assert stepper.attached is not None and exchange.ground is not None
-        applied = stepper.attached.applied(state.time, 2e-3, 2).sum(axis=0)
+        applied = stepper.attached.applied(state.time, 2e-3).sum(axis=0)
         shaken = -stepper.mean_base(state.time, 2e-3) * mass.sum(axis=1)
         gained = (mass @ (new.v - state.v))[0] / 2e-3
         assert gained == pytest.approx((exchange.ground.total + applied + shaken)[0], abs=1e-5)

@@ -98,7 +98,7 @@ def test_edges_that_cross(
     turn = Rotation.from_rotvec((0.0, tilt, 0.0)) * Rotation.from_rotvec((0.0, 0.0, yaw))
     lifted = (along, across, 0.4 + max(0.0, 0.5 * np.sin(tilt)))
     u = (upper.nodes @ turn.as_matrix().T + lifted - upper.nodes).ravel()
-    memory = interface.start(u, np.zeros(lower.nodes.size), np.eye(3))
+    memory = interface.start(u, np.zeros(lower.nodes.size), np.eye(3), np.eye(3))
     assert memory.may_touch.sum() == count
 
 
@@ -127,9 +127,9 @@ def test_work_at_crossings_is_exact(cell: str, degree: int, travel: float) -> No
     )
     u1 = u0 + travel * (far - u0)
     middle = 0.5 * (u0 + u1)
-    memory = interface.start(system.part(u0, 0), system.part(u0, 1), np.eye(3))
+    memory = interface.start(system.part(u0, 0), system.part(u0, 1), np.eye(3), np.eye(3))
     memory = interface.prepare(memory, system.part(middle, 0), system.part(middle, 1))
-    surface, kinematics = interface.observe(system.part(u1, 0), system.part(u1, 1))
+    surface, kinematics = interface.observe(system.part(u1, 0), system.part(u1, 1), memory)
     present = np.flatnonzero(memory.may_touch)
     assert len(present) >= 4
     assert (
@@ -145,7 +145,7 @@ def test_work_at_crossings_is_exact(cell: str, degree: int, travel: float) -> No
     apart = kinematics.own_projection.carried(surface.position) - kinematics.projection.carried(
         kinematics.carrier.position
     )
-    normal = interface.carrier.frame[:, 0]
+    normal = memory.kinematics.frame[:, 0]
     np.testing.assert_allclose(
         apart[present], (kinematics.place[:, :1] * normal)[present], atol=1e-12
     )

@@ -22,6 +22,7 @@ from solver.contact.carriers import Face
 from solver.contact.facets import carrier_surface
 from solver.contact.interface import Interface
 from solver.contact.kinematics import ContactIncrement, ForceWeights
+from solver.contact.memory import Memory
 from solver.contact.nitsche_points import contact_points
 from solver.contact.pairs import Link
 from solver.scene import FrictionSpec
@@ -144,8 +145,9 @@ class Pair:
                 parts.append(pose.of(body.nodes, seed))
         return np.concatenate(parts)
 
-    def observed(self, u: Array):
-        return self.interface.observe(self.system.part(u, 0), self.system.part(u, 1))
+    def observed(self, u: Array, since: Memory):
+        parts = self.system.part(u, 0), self.system.part(u, 1)
+        return self.interface.observe(*parts, since)
 
     def total(self, forces: Array, body: int) -> Array:
         """Force on a body in all."""
@@ -196,9 +198,9 @@ def test_work_is_exact_and_forces_are_opposite(
         ]
     )
     middle = 0.5 * (BEFORE["lower"].angle + AFTER["lower"].angle)
-    interface.carrier.rotate_frame(Pose(middle, 0.0).rotation(d))
-    memory = interface.start(system.part(u0, 0), system.part(u0, 1), np.eye(d))
-    surface, kinematics = pair.observed(u1)
+    rotations = np.eye(d), Pose(middle, 0.0).rotation(d)
+    memory = interface.start(system.part(u0, 0), system.part(u0, 1), *rotations)
+    surface, kinematics = pair.observed(u1, memory)
     moved = kinematics.place - memory.kinematics.place
     assert (
         not kinematics.projection.beyond_edge.any()
@@ -224,9 +226,9 @@ def test_a_foot_that_hardly_moves_has_the_local_slope() -> None:
     u0, far = pair.unknowns(BEFORE), pair.unknowns(AFTER)
     u1 = u0 + 1e-8 * (far - u0)
     interface = pair.interface
-    interface.carrier.rotate_frame(Pose(0.3, 0.0).rotation(2))
-    memory = interface.start(pair.system.part(u0, 0), pair.system.part(u0, 1), np.eye(2))
-    _, kinematics = pair.observed(u1)
+    rotations = np.eye(2), Pose(0.3, 0.0).rotation(2)
+    memory = interface.start(pair.system.part(u0, 0), pair.system.part(u0, 1), *rotations)
+    _, kinematics = pair.observed(u1, memory)
     force = np.ones((interface.count, 2))
     vectors, reaction = interface.point_forces(memory.kinematics, kinematics, force)
     assert (
@@ -234,7 +236,7 @@ def test_a_foot_that_hardly_moves_has_the_local_slope() -> None:
         and kinematics.carrier is not None
         and memory.kinematics.carrier is not None
     )
-    done = np.sum(vectors * (pair.observed(u1)[0].position - memory.surface.position))
+    done = np.sum(vectors * (pair.observed(u1, memory)[0].position - memory.surface.position))
     done += np.sum(reaction * (kinematics.carrier.position - memory.kinematics.carrier.position))
     work = force * (kinematics.place - memory.kinematics.place)
     assert done == pytest.approx(work.sum(), abs=1e-7 * np.abs(work).sum())
