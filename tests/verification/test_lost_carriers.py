@@ -42,7 +42,7 @@ def test_beside_a_carrier_that_lies(dimension: int) -> None:
 
 def test_arrows_of_films_stand_upright(tmp_path: Path) -> None:
     """On the floor, whatever way the carrier leans by then."""
-    from solver.pictures.contact import _force
+    from solver.pictures.contact import block_frames
 
     tables = both(2, height=0.2, velocity=[2.5, 0.0], friction=0.0)
     tables["block"][0] |= {"tilt_deg": -17.0, "friction": 2.0}
@@ -50,6 +50,6 @@ def test_arrows_of_films_stand_upright(tmp_path: Path) -> None:
     run = read_run(tmp_path / "out")
     up = run.scene.blocks[1]
     times = np.linspace(2.5, 3.0, 6)
-    arrows = _force(run, up, times)
+    arrows = block_frames(run, up, times).push.force
     assert abs(run.history["low.angle_rad"][-1]) > 0.01
     np.testing.assert_allclose(arrows, np.tile([0.0, 1.0], (6, 1)), atol=1e-3)

@@ -74,13 +74,13 @@ def test_damping_takes_the_vibration_and_leaves_the_momentum() -> None:
 
 
 @pytest.mark.slow
-def test_four_in_a_row_pass_their_momentum_on() -> None:
-    """Only the last one moves in the end, and three wait; coarse ones lose 1.8 % a blow."""
-    result = bars(5e9, 4, cells=[20, 1])
-    speeds = [last_velocity(result, f"n{k}") for k in range(4)]
+def test_five_in_a_row_pass_their_momentum_on() -> None:
+    """Only the last one moves in the end, and four wait; coarse ones lose 1.8 % a blow."""
+    result = bars(5e9, 5, cells=[20, 1])
+    speeds = [last_velocity(result, f"n{k}") for k in range(5)]
     assert sum(speeds) == pytest.approx(2.0, abs=1e-6)
-    assert speeds[:3] == pytest.approx([0.0] * 3, abs=0.1)
-    assert speeds[3] == pytest.approx(2.0, rel=0.08)
+    assert speeds[:4] == pytest.approx([0.0] * 4, abs=0.1)
+    assert speeds[4] == pytest.approx(2.0, rel=0.1)
 
 
 DOMINO: dict[str, Any] = {
