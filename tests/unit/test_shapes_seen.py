@@ -115,6 +115,24 @@ def test_fields_move_as_the_history_says(name: str, runs: dict[str, Run]) -> Non
     assert '"Surface"' in (run.folder / "open_in_paraview.py").read_text()
 
 
+def test_a_rigid_cylinder_beside_a_meshed_block_has_fields(tmp_path: Path) -> None:
+    """Its facets as triangles: it has other corners than a box."""
+    import pyvista
+
+    text = (
+        "dimension = 3\n[[block]]\nname = 'drum'\nmodel = 'rigid'\ndensity = 2000.0\n"
+        "height = 0.4\nshape = { cylinder = 0.2, sides = 8 }\n"
+        "[[block]]\nname = 'cube'\nposition = [1.0, 0.0, 0.15]\nwidth = 0.3\nheight = 0.3\n"
+        "thickness = 0.3\nmass = 50.0\nyoung = 1e9\npoisson = 0.2\ncells = [1, 1, 1]\n"
+        "[time]\nend = 2e-3\nstep = 1e-3\n[output]\nevery = 2e-3\n"
+    )
+    simulate(parse_scene(text), folder=tmp_path / "out")
+    reader = pyvista.get_reader(str(tmp_path / "out" / "fields.pvd"))
+    reader.set_active_time_value(reader.time_values[-1])
+    cells = sorted(grid.n_cells for grid in reader.read())
+    assert cells == [1, 28]  # 16 of the side, 6 of each end
+
+
 @pytest.mark.parametrize("name", SHAPES)
 def test_forces_act_at_the_lowest_corner(name: str, runs: dict[str, Run]) -> None:
     """While it leans, at a place of its own that is on the ground."""
