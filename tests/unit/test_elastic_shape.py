@@ -303,7 +303,7 @@ def test_between_pieces_of_a_face_the_nearer_one_carries() -> None:
     face = Face(points, np.array([[0, 1], [2, 3]]), level_frame(2), "interval", 1, 1e-5)
     at = [-1e-6, 1 + 1e-6, 1 + 1e-4, 1.5, 2 - 1e-4, 2 - 1e-6, 2.5, 3 + 1e-6]
     there = np.column_stack([at, np.full(8, 0.1)])
-    found = face.kinematics(there, points.observe(None))
+    found = face.kinematics(there, points.observe(None), face.reference_frame)
     assert found.place == pytest.approx(np.column_stack([np.full(8, 0.1), at]), abs=1e-12)
     beyond = face.beyond_edge(found)
     assert beyond is not None

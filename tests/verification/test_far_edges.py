@@ -52,10 +52,10 @@ def test_far_interfaces_left_out_change_no_digit(monkeypatch: pytest.MonkeyPatch
     looks = 0
     observe = Interface.observe
 
-    def counted(self: Interface, u: Any, carrier_u: Any) -> Any:
+    def counted(self: Interface, u: Any, carrier_u: Any, since: Any) -> Any:
         nonlocal looks
         looks += not self.theta and isinstance(self.points, FixedPoints)
-        return observe(self, u, carrier_u)
+        return observe(self, u, carrier_u, since)
 
     monkeypatch.setattr(Interface, "observe", counted)
     found = simulate(parse_scene(scene))
