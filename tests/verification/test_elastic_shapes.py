@@ -572,11 +572,10 @@ def test_a_mesh_is_taken_as_it_is(cell: str, tmp_path: Path) -> None:
     import gmsh
 
     from geometry.gmsh_model import box as gridded
-    from geometry.tags import CellTag
 
     def make() -> None:
         x, y, z = GRID
-        gridded(x + 3.0, y, z - 1.0, CellTag.BLOCK, tetrahedra=cell == "tetrahedron")
+        gridded(x + 3.0, y, z - 1.0, tetrahedra=cell == "tetrahedron")
         if cell == "tetrahedron":
             gmsh.model.removePhysicalGroups()
 
