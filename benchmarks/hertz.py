@@ -71,7 +71,7 @@ ERRORS = {
               "contact.peak": "peak"},
     "gauss": {"contact.pressure": "l2_nominal", "contact.peak": "peak_nominal"},
 }  # fmt: skip
-"""Which of the errors of a contact is that of a measure, by the points."""
+"""Names of the errors in `hertz.csv` by those of the measures, for each kind of points."""
 
 
 class NearGround(Plane):

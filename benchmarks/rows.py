@@ -46,7 +46,7 @@ def side_by_side(
 
 
 def on_ranks(ranks: int, file: str, *words: str) -> subprocess.CompletedProcess[str]:
-    """A Python file with words as processes of its own, on so many ranks of this machine."""
+    """Run a Python file with these words in processes of its own, on some ranks of this machine."""
     launch = ["mpirun", "--oversubscribe", "-n", str(ranks)] if ranks > 1 else []
     return subprocess.run(
         [*launch, sys.executable, file, *words],

@@ -38,6 +38,13 @@ def judged_study(
     return verdict(output.name, checks(options.output))
 
 
+def is_first_rank() -> bool:
+    """True if this process draws and judges, under mpirun."""
+    from mpi4py import MPI
+
+    return MPI.COMM_WORLD.rank == 0
+
+
 def read_table(file: Path) -> Rows:
     """The rows of a table."""
     with file.open(encoding="utf-8", newline="") as stream:

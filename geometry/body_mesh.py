@@ -22,7 +22,7 @@ from geometry.convex import Convex
 from geometry.gmsh_model import MeshedBody, convex_body, make
 from geometry.gmsh_session import failures, options, silent_model
 from geometry.surface import Surface
-from geometry.tags import FINER, CellTag
+from geometry.tags import ALL_CELLS, FINER
 from solver.types import Indices
 
 SHARP = 40.0
@@ -86,7 +86,7 @@ def _put(cells: Cells, tags: Indices) -> None:
     places = np.pad(cells.points[used], ((0, 0), (0, 3 - d)))
     model.mesh.addNodes(d, body, used + 1, places.ravel())
     model.mesh.addElementsByType(body, cells.kind, [], cells.numbers.ravel() + 1)
-    model.addPhysicalGroup(d, [body], CellTag.BLOCK)
+    model.addPhysicalGroup(d, [body], ALL_CELLS)
     for tag in np.unique(tags):
         face = model.addDiscreteEntity(d - 1)
         facets = cells.boundary[tags == tag]

@@ -97,7 +97,7 @@ class Density(Protocol):
         """Its values in cells by their vertices (n, k, d), m: there, (n, k), or in each, (n,)."""
 
     def least(self, cell: Sequence[float]) -> float:
-        """The least of its means over cells that have edges (m) along the axes."""
+        """The least of its means over cells with edges of these lengths (m) along the axes."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -120,7 +120,7 @@ class LinearDensity:
         return sum(abs(e) / length for e, length in zip(self.off, self.sizes, strict=True))
 
     def least(self, cell: Sequence[float]) -> float:
-        """The least of its means over cells that have edges (m) along the axes."""
+        """The least of its means over cells with edges of these lengths (m) along the axes."""
         return 1 - sum(
             6 * abs(e) / length * (1 - edge / length)
             for e, length, edge in zip(self.off, self.sizes, cell, strict=True)
@@ -147,7 +147,7 @@ class PartedDensity:
     """Their densities are over the mean."""
 
     def least(self, cell: Sequence[float]) -> float:
-        """The least of them."""
+        """The least density of all parts over the mean."""
         return min(self.rest, *(part.density for part in self.parts))
 
     def in_cells(self, cells: Array) -> Array:
@@ -184,7 +184,7 @@ class PiecewiseDensity:
     """Mean of the body, kg/m^3."""
 
     def least(self, cell: Sequence[float]) -> float:
-        """The least of them."""
+        """The least density of all parts over the mean."""
         return min(part.density for part in self.parts) / self.mean
 
     def in_cells(self, cells: Array) -> Array:

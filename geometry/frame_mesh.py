@@ -12,7 +12,7 @@ import numpy as np
 
 from geometry.foundation import Frame
 from geometry.gmsh_model import CELLS, MeshedBody, make, split_into_simplices
-from geometry.tags import CellTag, FacetTag
+from geometry.tags import ALL_CELLS, FacetTag
 from solver.types import Array
 
 Box = tuple[int, ...]
@@ -127,7 +127,7 @@ def _mesh_boxes(builder: _Boxes, boxes: list[Box], simplices: bool) -> None:
     solids = [builder.solid(place) for place in boxes]
     gmsh.model.geo.synchronize()
     dimension = len(lines)
-    gmsh.model.addPhysicalGroup(dimension, solids, CellTag.FOUNDATION)
+    gmsh.model.addPhysicalGroup(dimension, solids, ALL_CELLS)
     for tag, faces in builder.outside(boxes).items():
         gmsh.model.addPhysicalGroup(dimension - 1, faces, tag)
     gmsh.model.mesh.generate(dimension)

@@ -20,7 +20,7 @@ from geometry.compat import model_to_mesh
 from geometry.convex import Convex
 from geometry.gmsh_session import silent_model
 from geometry.polygon import around
-from geometry.tags import CellTag, FacetTag
+from geometry.tags import ALL_CELLS, FacetTag
 from solver.types import Array, Indices, Mask
 
 CELLS = {2: ("quadrilateral", "triangle"), 3: ("hexahedron", "tetrahedron")}
@@ -32,8 +32,6 @@ class MeshedBody:
     """The mesh of a body in the body's own frame."""
 
     mesh: Mesh
-    cell_tags: MeshTags
-    """Values of `CellTag`."""
     facet_tags: MeshTags
     """Values of `FacetTag`, on all of the boundary."""
 
@@ -43,25 +41,25 @@ def make(name: str, build: Callable[[], None], dimension: int, comm: MPI.Intraco
     with silent_model(name) if comm.rank == 0 else nullcontext():
         if comm.rank == 0:
             build()
-        mesh, cell_tags, facet_tags = model_to_mesh(gmsh.model, comm, dimension)
-    return MeshedBody(mesh=mesh, cell_tags=cell_tags, facet_tags=facet_tags)
+        mesh, _, facet_tags = model_to_mesh(gmsh.model, comm, dimension)
+    return MeshedBody(mesh=mesh, facet_tags=facet_tags)
 
 
-def rectangle(x: Array, y: Array, tag: CellTag, *, triangles: bool) -> None:
+def rectangle(x: Array, y: Array, *, triangles: bool) -> None:
     """Mesh the rectangle over the tensor grid of x and y in the current Gmsh model, tags included.
 
     One straight line per cell edge, so that the grading is ours to the last digit.
     """
     surface, sides = _gridded_surface(x, y, triangles=triangles)
     gmsh.model.geo.synchronize()
-    gmsh.model.addPhysicalGroup(2, [surface], tag)
+    gmsh.model.addPhysicalGroup(2, [surface], ALL_CELLS)
     faces = (FacetTag.BOTTOM, FacetTag.RIGHT, FacetTag.TOP, FacetTag.LEFT)
     for face, lines in zip(faces, sides, strict=True):
         gmsh.model.addPhysicalGroup(1, lines, face)
     gmsh.model.mesh.generate(2)
 
 
-def box(x: Array, y: Array, z: Array, tag: CellTag, *, tetrahedra: bool) -> None:
+def box(x: Array, y: Array, z: Array, *, tetrahedra: bool) -> None:
     """Mesh the box over the tensor grid of x, y and z in the current Gmsh model, tags included.
 
     Hexahedra are the bottom's quadrilaterals pulled up layer by layer. Tetrahedra are made of them,
@@ -75,7 +73,7 @@ def box(x: Array, y: Array, z: Array, tag: CellTag, *, tetrahedra: bool) -> None
         [(2, bottom)], 0, 0, height, numElements=[1] * len(layers), heights=layers, recombine=True
     )
     geo.synchronize()
-    gmsh.model.addPhysicalGroup(3, [volume[1]], tag)
+    gmsh.model.addPhysicalGroup(3, [volume[1]], ALL_CELLS)
     faces = {FacetTag.BOTTOM: [bottom], FacetTag.TOP: [top[1]]}
     # One lateral surface per line of the bottom, in their order.
     walls = iter(surface for _, surface in lateral)
@@ -90,18 +88,17 @@ def box(x: Array, y: Array, z: Array, tag: CellTag, *, tetrahedra: bool) -> None
         split_into_simplices([x, y, z])
 
 
-def convex(part: Convex, tags: Sequence[int], tag: CellTag, size: float) -> None:
+def convex(part: Convex, tags: Sequence[int], size: float) -> None:
     """Mesh a convex polygon or polyhedron by simplices in the current Gmsh model, tags included.
 
     Args:
         part: The polygon or polyhedron.
-        tags: One for each face.
-        tag: Of the cells.
+        tags: Of the faces, one for each.
         size: Length of the edges of the cells, m.
     """
     body, sides = convex_body(gmsh.model.geo, part, size)
     gmsh.model.geo.synchronize()
-    gmsh.model.addPhysicalGroup(part.dimension, [body], tag)
+    gmsh.model.addPhysicalGroup(part.dimension, [body], ALL_CELLS)
     for number, side in zip(tags, sides, strict=True):
         gmsh.model.addPhysicalGroup(part.dimension - 1, [side], number)
     gmsh.model.mesh.generate(part.dimension)

@@ -12,7 +12,7 @@ from geometry.convex import Convex
 from geometry.foundation import Plate
 from geometry.gmsh_model import CELLS, MeshedBody, box, convex, make, rectangle
 from geometry.grading import centred, graded, graded_to_both_ends
-from geometry.tags import CellTag, tags_of_faces
+from geometry.tags import tags_of_faces
 from solver.types import Array
 
 
@@ -51,7 +51,7 @@ def block_mesh(
         for side, count in zip(sides, cells[:-1], strict=True)
     ]
     up = shape.height * graded(cells[-1], refinement)
-    return _tensor_mesh("block", [*across, up], cell, CellTag.BLOCK, comm)
+    return _tensor_mesh("block", [*across, up], cell, comm)
 
 
 def shape_mesh(part: Convex, size: float, comm: MPI.Intracomm = MPI.COMM_WORLD) -> MeshedBody:
@@ -65,7 +65,7 @@ def shape_mesh(part: Convex, size: float, comm: MPI.Intracomm = MPI.COMM_WORLD) 
     tags = tags_of_faces([float(rise) for rise in part.normals[:, -1]])
 
     def build() -> None:
-        convex(part, tags, CellTag.BLOCK, size)
+        convex(part, tags, size)
 
     return make("shape", build, part.dimension, comm)
 
@@ -90,7 +90,7 @@ def plate_mesh(
         centred(side, graded(count, 1.0)) for side, count in zip(sides, cells[:-1], strict=True)
     ]
     up = plate.height * (graded(cells[-1], 1.0) - 1)
-    return _tensor_mesh("plate", [*across, up], cell, CellTag.FOUNDATION, comm)
+    return _tensor_mesh("plate", [*across, up], cell, comm)
 
 
 def _allowed(dimension: int, cells: tuple[int, ...], cell: str | None) -> bool:
@@ -104,15 +104,15 @@ def _allowed(dimension: int, cells: tuple[int, ...], cell: str | None) -> bool:
 
 
 def _tensor_mesh(
-    name: str, lines: list[Array], cell: str | None, tag: CellTag, comm: MPI.Intracomm
+    name: str, lines: list[Array], cell: str | None, comm: MPI.Intracomm
 ) -> MeshedBody:
     """The mesh over the tensor grid of lines."""
 
     def build() -> None:
         if len(lines) == 2:
-            rectangle(lines[0], lines[1], tag, triangles=cell == "triangle")
+            rectangle(lines[0], lines[1], triangles=cell == "triangle")
         else:
-            box(lines[0], lines[1], lines[2], tag, tetrahedra=cell == "tetrahedron")
+            box(lines[0], lines[1], lines[2], tetrahedra=cell == "tetrahedron")
 
     return make(name, build, len(lines), comm)
 

@@ -47,12 +47,6 @@ class Skin:
     """Outward unit normals of the two faces that meet at each edge, (m, 2, d); in the plane twice
     the one of the side."""
 
-    @property
-    def bends(self) -> Array:
-        """Angles between the faces at the edges, rad, (m,)."""
-        cosines = np.einsum("mi,mi->m", self.normals[:, 0], self.normals[:, 1])
-        return np.asarray(np.arccos(np.clip(cosines, -1.0, 1.0)))
-
 
 def skin_of(block: Block, dimension: int) -> Skin:
     """What is seen of a block: its true surface where it has one, else its parts."""

@@ -3,12 +3,8 @@
 from collections.abc import Sequence
 from enum import IntEnum
 
-
-class CellTag(IntEnum):
-    """Body that a cell belongs to."""
-
-    BLOCK = 1
-    FOUNDATION = 2
+ALL_CELLS = 1
+"""Tag of all cells of a mesh: of a Gmsh model only what has one is handed over."""
 
 
 class FacetTag(IntEnum):

@@ -1,4 +1,4 @@
-"""Histories made up column by column, and their summaries."""
+"""Histories made up column by column, and their summaries; what is read from those of runs."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockslip import History, Scene, parse_scene
+from rockslip import History, Result, Scene, parse_scene
+from solver.history.events import Event
 from solver.history.history import scene_columns
 from solver.results.summary import summarise
 
@@ -38,3 +39,16 @@ def history_of(scene: Scene, time: Array, **values: Any) -> History:
 
 def summary_of(scene: Scene, history: History) -> dict[str, Any]:
     return summarise(scene, history, status="completed", cost={}, versions={})
+
+
+def events(result: Result, kind: str) -> list[Event]:
+    """The events of a kind of a run."""
+    assert result.history.events is not None
+    return [event for event in result.history.events if event.kind == kind]
+
+
+def lift_off(time: Array, angle: Array, after: float, before: float) -> float:
+    """When a block lifted whose angle grows with the cube of the time since then, s."""
+    rows = np.flatnonzero((np.abs(angle) > after) & (np.abs(angle) < before))
+    line = np.polynomial.Polynomial.fit(time[rows], np.cbrt(np.abs(angle[rows])), 1)
+    return float(line.roots()[0])

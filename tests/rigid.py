@@ -24,6 +24,11 @@ def scene(d: int, *blocks: dict[str, Any], end: float, step: float = 1e-3, **tab
     return parse_scene(content | tables)
 
 
+def in_space(d: int, place: list[float]) -> list[float]:
+    """A place in the plane as one in d dimensions."""
+    return [place[0], *[0.0] * (d - 2), place[1]]
+
+
 def table(folder: Path, rows: Any) -> str:
     """A file of samples for `kind = "table"`: time in s, accelerations in m/s2."""
     file = folder / "ground.csv"

@@ -25,5 +25,9 @@ def traction_gradient(
     """
     nodal = np.zeros((points.layer.size, points.dimension))
     numbers, table, _ = points.rows
-    meshed.add_traction_gradient(numbers, table, old.values, new.values, vector, nodal)
+    # A pull by these vectors alone: no tractions, and no forces at the points.
+    scale = np.tile([0.0, -1.0], (points.count, 1))
+    pull = scale, vector, np.eye(points.dimension), 0.0, 0.0
+    states, forces = (old.values, new.values), np.zeros_like(vector)
+    meshed.add_contact_forces(numbers, table, *states, forces, *pull, nodal)
     return nodal

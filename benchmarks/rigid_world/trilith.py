@@ -66,7 +66,10 @@ class Frame:
     def rocking(
         self, amplitude: float, duration: float, end: float, rows: int = 50
     ) -> RockingReference:
-        """Its motion under half a sine, g and s; its first impact ends it. `rows` of a pulse."""
+        """Motion of the frame under half a sine of an amplitude (g) and a duration (s).
+
+        It ends with the first impact, and has `rows` rows within the pulse.
+        """
 
         def ground(time: float) -> float:
             shaken = math.sin(math.pi * time / duration) if time < duration else 0.0

@@ -21,7 +21,7 @@ LEAST_GAIN = 1e-14
 """Gains below this, and losses, are drawn as it."""
 
 COLOURS = {"ended": PURPLE, "refused": GREY, "failed": RED}
-"""Of scenes that do not hold."""
+"""Colours of scenes that do not hold, by their verdicts."""
 
 PANELS_ACROSS = 3
 """Families side by side."""

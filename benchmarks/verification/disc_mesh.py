@@ -11,7 +11,7 @@ from mpi4py import MPI
 import gmsh
 
 from geometry.gmsh_model import MeshedBody, make
-from geometry.tags import CellTag, FacetTag
+from geometry.tags import ALL_CELLS, FacetTag
 
 #: Distance from the contact up to which layers grow, over the radius of the disc.
 RING_RATIO = 0.75
@@ -92,7 +92,7 @@ class _HalfDisc:
             arcs += below
             flats += above
         geo.synchronize()
-        gmsh.model.addPhysicalGroup(2, surfaces, CellTag.BLOCK)
+        gmsh.model.addPhysicalGroup(2, surfaces, ALL_CELLS)
         gmsh.model.addPhysicalGroup(1, arcs, FacetTag.BOTTOM)
         gmsh.model.addPhysicalGroup(1, flats, FacetTag.TOP)
         gmsh.model.mesh.generate(2)

@@ -37,7 +37,7 @@ import sys
 from pathlib import Path
 
 from demos.program import output_of
-from demos.study import Rows, read_table
+from demos.study import Rows, is_first_rank, read_table
 from demos.verdict import verdict
 from solver.cli import main as rockslip
 
@@ -107,18 +107,11 @@ def main(arguments: list[str] | None = None) -> int:
     if code == 0:
         more = ["--of", *BLOCKS, "--by", "rigid", "--count", f"{counts[1]}", *words]
         code = study("blocks", more, output)
-    if code or not _is_first_rank():
+    if code or not is_first_rank():
         return code
     print(f"\n{output / 'map' / 'lambda.png'}\n")
     tables = (read_table(output / name / "inertia.csv") for name in ("map", "blocks"))
     return verdict("live_load", checks(*tables))
-
-
-def _is_first_rank() -> bool:
-    """True if this process judges, under mpirun."""
-    from mpi4py import MPI
-
-    return MPI.COMM_WORLD.rank == 0
 
 
 if __name__ == "__main__":

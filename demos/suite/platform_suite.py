@@ -71,7 +71,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from demos.program import output_of
-from demos.study import Rows, read_table
+from demos.study import Rows, is_first_rank, read_table
 from demos.verdict import verdict
 from solver.cli import main as rockslip
 from solver.pictures.style import BLUE, ORANGE, legend_above, new_figure, save
@@ -216,14 +216,7 @@ def main(arguments: list[str] | None = None) -> int:
     code = shake(words, output, scene)
     if code not in (0, 3):  # 3: single runs failed, which the checks will say
         return code
-    return show(output) if _is_first_rank() else 0
-
-
-def _is_first_rank() -> bool:
-    """True if this process draws and judges, under mpirun."""
-    from mpi4py import MPI
-
-    return MPI.COMM_WORLD.rank == 0
+    return show(output) if is_first_rank() else 0
 
 
 if __name__ == "__main__":

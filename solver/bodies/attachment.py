@@ -24,9 +24,6 @@ from solver.bodies.rigid_body import DenseBody
 from solver.parallel import global_sum
 from solver.types import Array, Indices
 
-NEAR = 1e-9
-"""Distance from a face, as a part of its size, below which a node is on it."""
-
 
 class MeshedPlace(NamedTuple):
     """A place of a meshed body.

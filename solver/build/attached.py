@@ -83,7 +83,7 @@ def _deck(number: int, body: ElasticBody | ReducedBody, top: Face) -> End:
     """The top of a meshed foundation, which does not turn as a whole."""
 
     def point(place: Array) -> MeshedPlace:
-        """Between the nodes around it."""
+        """By the shape functions of the facet on which the point is."""
         points, d = top.points, body.dimension
         state = points.observe(np.zeros(body.size))
         projection = top.kinematics(place[None], state, top.reference_frame).projection
@@ -102,14 +102,14 @@ def _deck(number: int, body: ElasticBody | ReducedBody, top: Face) -> End:
 
 
 def _of_block(block: BlockBody) -> End:
-    """What links to a block end on."""
+    """The ends of links to a block."""
     if isinstance(block.body, ElasticBody):
         return _elastic(block.number, block.body, block.upright)
     return _rigid(block.number, block.upright)
 
 
 def _of_support(support: FoundationBody) -> End:
-    """What links to the foundation end on."""
+    """The ends of links to the foundation."""
     body, number = support.body, support.number
     if body is None or number is None:
         return End(None, np.asarray, np.asarray)

@@ -28,7 +28,6 @@ bool solve_problem(const DenseProblem& problem, Output<1> f, IndicesOut<1> state
 
 std::vector<PyMethodDef> law_functions() {
     return {
-        entry<product>("product"),
         entry<solve_dense>("solve_dense"),
         entry<lengths>("lengths"),
         entry<error_of>("error_of"),

@@ -36,16 +36,6 @@ def augment(place: Array, traction: Array, inverse_gamma: Array, frame: Array, y
         y: (p, d), m.
     """
 
-def add_traction_gradient(
-    numbers: Indices, table: Array, old: Array, new: Array, vector: Array, nodal: Array
-) -> None:
-    """Add vectors (p, d) times the discrete gradient of the traction to forces on nodes, (n, d).
-
-    With F at the mean of both states and the increment of S through it, DT[u_new - u_old] is
-    exactly T_new - T_old: work against a traction is a difference of states (after Simo and Tarnow
-    1992).
-    """
-
 def add_contact_forces(
     numbers: Indices,
     table: Array,
@@ -797,9 +787,6 @@ def add_softness(W: Array, near: Indices, softness: Array, added: Array) -> None
 # and slope. States of points, (m,): 0 open, 1 stick, 2 slip, 3 slip while cohesion is built up; for
 # d = 2 those of slip carry the sign of the friction force. Forces are (d m,), N; the lengths r,
 # normal and tangential, (m, 2), N/m.
-
-def product(matrix: Array, vector: Array, found: Array) -> None:
-    """Fill in the product of a square matrix and a vector."""
 
 def solve_dense(matrix: Array, right: Array) -> bool:
     """Solve a linear system, `right` becoming the solution; False where it is singular.

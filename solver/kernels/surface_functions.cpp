@@ -33,16 +33,6 @@ void augment(Array<2> place, Array<2> traction, Array<1> inverse_gamma, Array<2>
     });
 }
 
-void add_traction_gradient(Indices<2> numbers, Array<2> table, Array<2> before, Array<2> after, Array<2> vectors,
-                           Output<2> nodal) {
-    in_dimension(vectors.length(1), [&](auto d) {
-        const std::ptrdiff_t points = vectors.length();
-        const StateValues<d, const double> one{before.data(), points}, two{after.data(), points};
-        const auto vector = [&](std::ptrdiff_t p) { return vector_at<d>(vectors.data() + d * p); };
-        rockslip::add_traction_gradient(Surface<d>(numbers, table), one, two, vector, nodal.data());
-    });
-}
-
 void add_contact_forces(Indices<2> numbers, Array<2> table, Array<2> before, Array<2> after, Array<2> vectors,
                         Array<2> scale, Array<2> force, Array<2> frame, double old_weight, double new_weight,
                         Output<2> nodal) {
@@ -52,7 +42,7 @@ void add_contact_forces(Indices<2> numbers, Array<2> table, Array<2> before, Arr
         const StateValues<d, const double> one{before.data(), points}, two{after.data(), points};
         const TractionPull<d> pull{scale.data(), force.data(), frame.data(), old_weight, new_weight, one, two};
         rockslip::add_point_forces(surface, vectors.data(), nodal.data());
-        rockslip::add_traction_gradient(surface, one, two, pull, nodal.data());
+        add_traction_gradient(surface, one, two, pull, nodal.data());
     });
 }
 
@@ -151,7 +141,6 @@ std::vector<PyMethodDef> surface_functions() {
         entry<point_values>("point_values"),
         entry<add_point_forces>("add_point_forces"),
         entry<augment>("augment"),
-        entry<add_traction_gradient>("add_traction_gradient"),
         entry<add_contact_forces>("add_contact_forces"),
         entry<into_frame>("into_frame"),
         entry<point_vectors>("point_vectors"),

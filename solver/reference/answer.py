@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -23,9 +22,10 @@ from solver.reference.phases import EXACT, Acceleration, still
 from solver.reference.sliding import SlidingReference, sliding
 from solver.results.endings import Watch
 from solver.results.events import Recorder
+from solver.results.motion import of_side
 from solver.scene import Scene
 from solver.scene.checking import shown
-from solver.types import Array, Indices
+from solver.types import Array
 
 ONLY = "where a rigid-body reference is asked for"
 
@@ -182,7 +182,7 @@ def slide(scene: Scene, ground: GroundMotion) -> dict[str, Array]:
     normal = -down + _sampled(ground.up, found.time)
     # Pushed towards +x below its centre, it leans to -x.
     shape, side = block.shape, np.where(found.friction > 0, -1, 1)
-    uplift = np.abs(found.friction) > normal * _of_side(shape.uplift, side)
+    uplift = np.abs(found.friction) > normal * of_side(shape.uplift, side)
     if scene.has_platform and uplift.any():
         got = f"a block that would rock at {found.time[int(np.argmax(uplift))]:.4g} s"
         raise SceneError("foundation.kind", got, f"a platform with a block that stays flat, {ONLY}")
@@ -244,7 +244,7 @@ def rock(
     moves = (velocity != 0) | ((angle != 0) & (np.abs(angle) < math.pi / 2))
     side = np.where(angle < 0, -1.0, 1.0)
     edge = side.astype(int)
-    lean, radius = _of_side(shape.slenderness, edge) - np.abs(angle), _of_side(shape.radius, edge)
+    lean, radius = of_side(shape.slenderness, edge) - np.abs(angle), of_side(shape.radius, edge)
     # The centre on its circle about the pivot; lean' = -side theta'.
     across = radius * (np.cos(lean) * turning + side * np.sin(lean) * velocity**2)
     up = radius * (side * np.sin(lean) * turning - np.cos(lean) * velocity**2)
@@ -262,14 +262,9 @@ def rock(
         "friction_force_N": shape.mass * (base + np.where(moves, across, 0.0)),
     }
     speed, rise = radius * np.cos(lean) * velocity, side * radius * np.sin(lean) * velocity
-    kinetic = _of_side(shape.rotary_inertia_about_corner, edge) * velocity**2 / 2
+    kinetic = of_side(shape.rotary_inertia_about_corner, edge) * velocity**2 / 2
     kinetic += shape.mass * found.drift_velocity * (found.drift_velocity / 2 + speed)
     return _table(scene, ground, found, values, kinetic, speed, rise=rise)
-
-
-def _of_side(number: Callable[[int], float], side: Indices) -> Array:
-    """A number of a block about the edge on a side, over the rows."""
-    return np.where(side < 0, number(-1), number(1))
 
 
 def _sampled(motion: BaseMotion | None, time: Array) -> Array:

@@ -1,9 +1,8 @@
 """Pulses of the ground that overturn a slender block at rest, without an impact: closed forms.
 
 For theta << 1 the block on one corner obeys y'' = p^2 y + forcing, whose growing part is z = y +
-y'/p: it overturns where z >= 0 after the pulse, y being the angle beyond alpha (Housner 1963, for
-the rectangular pulse; Dimitrakopoulos and DeJong 2012 for sines). A is the amplitude over g tan
-alpha, s = omega/p.
+y'/p: it overturns where z >= 0 after the pulse, y being the angle beyond alpha (Dimitrakopoulos and
+DeJong 2012). A is the amplitude over g tan alpha, s = omega/p.
 """
 
 from __future__ import annotations
@@ -13,14 +12,6 @@ from collections.abc import Callable
 
 LARGEST = 1e6
 """Amplitude up to which a threshold is looked for."""
-
-
-def rectangular_threshold(duration: float) -> float:
-    """Least A of a rectangular pulse that overturns: 1/(1 - exp(-p t1)), duration p t1 > 0.
-
-    The same as Housner's cosh(p t1) = 1 + 1/[2 A (A - 1)] (Housner 1963, Eq. 12).
-    """
-    return 1 / -math.expm1(-duration)
 
 
 def half_sine_threshold(frequency: float) -> float:

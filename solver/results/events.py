@@ -232,11 +232,11 @@ class Recorder:
         self._first = {name: first - gone for name, first in self._first.items()}
 
 
-def recorded(scene: Scene, history: History, *, rigid: bool = False) -> tuple[Event, ...]:
+def recorded(scene: Scene, history: History) -> tuple[Event, ...]:
     """The events of a history: those that its run recorded, else those found in its rows."""
     if history.events is not None:
         return history.events
-    recorder = Recorder(scene, history.columns, rigid=rigid)
+    recorder = Recorder(scene, history.columns)
     recorder.add(np.stack([history[name] for name in history.columns], axis=1))
     return recorder.finish()
 

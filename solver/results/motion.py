@@ -131,7 +131,7 @@ class BlockMotion:
 
 
 def of_side(number: Callable[[int], float], lean: Array) -> Array:
-    """A number of a block about the edge to which it leans, over the rows."""
+    """A number of a block about the edge to which it leans, by the sign of that, over the rows."""
     return np.where(lean < 0, number(-1), number(1))
 
 

@@ -86,15 +86,15 @@ class MeshSize(NamedTuple):
     """The size of the mesh of an elastic body, as it is known before there is one."""
 
     kind: Cell
-    """What its cells are."""
+    """Shape of its cells."""
     degree: int
-    """Of the displacement."""
+    """Polynomial degree of the displacement."""
     cells: int
-    """How many cells it has."""
+    """Number of its cells."""
     nodes: int
-    """And nodes."""
+    """Number of its nodes."""
     nodes_below: int
-    """Nodes at its bottom."""
+    """Number of the nodes at its bottom."""
     corner_cell: tuple[float, ...]
     """Edges along the axes of its smallest cells, of a box those at the bottom corners, m, (d,)."""
     fineness: float

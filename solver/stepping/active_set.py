@@ -36,7 +36,7 @@ class ContactMargin:
 
     Attributes:
         distance: The gaps, (points,), m.
-        met: Points that were near in a correction before, (points,).
+        seen: Points that were near in a correction before, (points,).
         keeps_touching: True if all points that touched at the start count wherever they are.
     """
 

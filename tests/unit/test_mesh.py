@@ -15,7 +15,7 @@ from geometry.compat import geometry_nodes
 from geometry.foundation import Plate
 from geometry.grading import graded, graded_to_both_ends
 from geometry.mesh import block_mesh, move, plate_mesh
-from geometry.tags import CellTag, FacetTag
+from geometry.tags import FacetTag
 
 SHAPE = Block(width=0.25, height=1.0, thickness=0.75, density=2680.0)
 COMM = MPI.COMM_WORLD
@@ -49,7 +49,6 @@ def test_counts_sizes_and_tags(cell, cells, refinement):
     assert made.mesh.basix_cell().name == cell
     assert topology.index_map(2).size_global == per_box * cells[0] * cells[1]
     assert made.mesh.geometry.index_map().size_global == (cells[0] + 1) * (cells[1] + 1)
-    assert set(made.cell_tags.values) <= {CellTag.BLOCK}
     x = ufl.SpatialCoordinate(made.mesh)
     ds = ufl.Measure("ds", made.mesh, subdomain_data=made.facet_tags)
     assert integral(fem.Constant(made.mesh, 1.0) * ufl.dx) == pytest.approx(0.25)
@@ -77,7 +76,6 @@ def test_counts_sizes_and_tags_in_space(cell, cells, refinement):
     assert made.mesh.basix_cell().name == cell
     assert topology.index_map(3).size_global == per_box * np.prod(cells)
     assert made.mesh.geometry.index_map().size_global == np.prod(np.array(cells) + 1)
-    assert set(made.cell_tags.values) <= {CellTag.BLOCK}
     x = ufl.SpatialCoordinate(made.mesh)
     ds = ufl.Measure("ds", made.mesh, subdomain_data=made.facet_tags)
     assert integral(fem.Constant(made.mesh, 1.0) * ufl.dx) == pytest.approx(0.1875)
@@ -173,7 +171,6 @@ def test_plate(cell):
         2.0 if dimension == 2 else 1.0
     )
     assert integral(x[dimension - 1] * ds(int(FacetTag.TOP))) == pytest.approx(0.0, abs=1e-15)
-    assert set(made.cell_tags.values) <= {CellTag.FOUNDATION}
     np.testing.assert_allclose(np.diff(np.unique(points[:, 0].round(12))), 0.25)
 
 

@@ -19,7 +19,8 @@ from scenes import BLOCK, UPPER
 from rockslip import parse_scene, simulate
 from solver.cli import main
 from solver.errors import OutputTrouble
-from solver.fields.vtkhdf import NAME, HdfFile, Part
+from solver.fields.part import Part
+from solver.fields.vtkhdf import NAME, HdfFile
 from solver.run.checkpoint import Schedule
 from solver.scene import scene_to_toml
 
@@ -150,7 +151,8 @@ FILLS = """
 import resource, sys
 from pathlib import Path
 import numpy as np
-from solver.fields.vtkhdf import Part, HdfFile
+from solver.fields.part import Part
+from solver.fields.vtkhdf import HdfFile
 file = HdfFile(Path(sys.argv[1]))
 cells = Part(points=np.zeros((4000, 3)), nodes=np.arange(4000).reshape(1000, 4), kind=9)
 body = file.body("stone", cells)
@@ -184,7 +186,8 @@ WRITES = """
 import sys
 from pathlib import Path
 import numpy as np
-from solver.fields.vtkhdf import Part, HdfFile
+from solver.fields.part import Part
+from solver.fields.vtkhdf import HdfFile
 file = HdfFile(Path(sys.argv[1]))
 cells = Part(points=np.zeros((40, 3)), nodes=np.arange(40).reshape(10, 4), kind=9)
 body = file.body("stone", cells)

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 from body_files import boxes, vase, write_by_gmsh, write_stl
+from histories import lift_off
 from ledger import completed
 from processes import runs_on_two_ranks
 
@@ -21,7 +22,6 @@ from rockslip import History, Result, Scene, load_scene, parse_scene, simulate
 from solver.cli import main
 from solver.errors import RockslipError, SceneError
 from solver.reference.housner import housner, housner_restitution
-from solver.types import Array
 
 pytest.importorskip("dolfinx")
 
@@ -60,13 +60,6 @@ run = partial(completed, gain=1e-6)
 def impacts(result: Result) -> list[float]:
     """Times of the impacts of the only block, s."""
     return [impact["time_s"] for impact in result.summary["blocks"]["block"]["impacts"]]
-
-
-def lift_off(time: Array, angle: Array, after: float, before: float) -> float:
-    """When a block lifted whose angle grows with the cube of the time since then, s."""
-    rows = np.flatnonzero((np.abs(angle) > after) & (np.abs(angle) < before))
-    line = np.polynomial.Polynomial.fit(time[rows], np.cbrt(np.abs(angle[rows])), 1)
-    return float(line.roots()[0])
 
 
 # ---------------------------------------------------------------- in the plane
@@ -595,11 +588,10 @@ def test_a_mesh_is_taken_as_it_is(cell: str, tmp_path: Path) -> None:
     import gmsh
 
     from geometry.gmsh_model import box as gridded
-    from geometry.tags import CellTag
 
     def make() -> None:
         x, y, z = GRID
-        gridded(x + 3.0, y, z - 1.0, CellTag.BLOCK, tetrahedra=cell == "tetrahedron")
+        gridded(x + 3.0, y, z - 1.0, tetrahedra=cell == "tetrahedron")
         if cell == "tetrahedron":
             gmsh.model.removePhysicalGroups()
 

@@ -8,25 +8,16 @@ from typing import Any
 
 import numpy as np
 import pytest
+from histories import events
 from ledger import completed as run
-from rigid import G, scene, table
+from rigid import G, in_space, scene, table
 from scipy.optimize import brentq
 
-from rockslip import History, Result, Scene, parse_scene, simulate
+from rockslip import History, Scene, parse_scene, simulate
 from solver.excitation.motion import read_ground
 from solver.rigid.system import RigidSystem
 
 SLENDER = {"model": "rigid", "width": 0.5, "height": 2.0, "thickness": 0.5, "mass": 500.0}
-
-
-def in_space(d: int, place: list[float]) -> list[float]:
-    """A place in the plane as one in d dimensions."""
-    return [place[0], *[0.0] * (d - 2), place[1]]
-
-
-def events(result: Result, kind: str) -> list[Any]:
-    assert result.history.events is not None
-    return [event for event in result.history.events if event.kind == kind]
 
 
 # ------------------------------------------------------------------ a tether at the edge

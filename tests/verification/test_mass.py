@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from histories import lift_off
 from ledger import completed as run
 
 from geometry.block import SIDES, Block
@@ -20,7 +21,6 @@ from solver.history.pairs import read_pairs
 from solver.reference.answer import reference_history
 from solver.reference.housner import housner, housner_restitution
 from solver.results.motion import boxes
-from solver.types import Array
 
 G = 9.81
 
@@ -62,13 +62,6 @@ def ramp(folder: Path, slope: float, end: float) -> dict[str, Any]:
     file = folder / f"ramp{slope:g}.csv"
     file.write_text(f"0,0\n{end!r},{slope * end!r}\n")
     return {"kind": "table", "file": str(file)}
-
-
-def lift_off(time: Array, angle: Array, after: float, before: float) -> float:
-    """When a block lifted whose angle grows with the cube of the time since then, s."""
-    rows = np.flatnonzero((np.abs(angle) > after) & (np.abs(angle) < before))
-    line = np.polynomial.Polynomial.fit(time[rows], np.cbrt(np.abs(angle[rows])), 1)
-    return float(line.roots()[0])
 
 
 # ---------------------------------------------------------------- rigid, in the plane

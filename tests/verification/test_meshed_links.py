@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from histories import events
 from ledger import completed
-from rigid import table
+from rigid import in_space, table
 
-from rockslip import History, Result, Scene, SceneError, parse_scene, simulate
+from rockslip import History, Scene, SceneError, parse_scene, simulate
 from solver.kernels import meshed
 from solver.run.meshed import MeshedRun
 
@@ -29,11 +30,6 @@ UNDAMPED = {"damping": {"stiffness": 0.0}}
 
 WIRE = {"name": "wire", "kind": "tether", "between": ["block", "foundation"]}
 PUSH = {"name": "push", "on": "block"}
-
-
-def in_space(d: int, place: list[float]) -> list[float]:
-    """A place in the plane as one in d dimensions."""
-    return [place[0], *[0.0] * (d - 2), place[1]]
 
 
 def scene(d: int, *blocks: dict[str, Any], end: float, step: float = 4e-3, **tables: Any) -> Scene:
@@ -64,11 +60,6 @@ def of_both(d: int, *blocks: dict[str, Any], **tables: Any) -> tuple[History, Hi
     for name, link in rigid.summary["links"].items():
         assert elastic.summary["links"][name].keys() == link.keys()
     return rigid.history, elastic.history
-
-
-def events(result: Result, kind: str) -> list[Any]:
-    assert result.history.events is not None
-    return [event for event in result.history.events if event.kind == kind]
 
 
 def differ(one: History, other: History, column: str) -> float:

@@ -40,7 +40,7 @@ def bars(young: float, count: int, tolerance: float = 1e-3, **keys: Any) -> Resu
 
 
 def last_velocity(result: Result, name: str) -> float:
-    """Mean velocity of a block in the last third of the rows."""
+    """Mean velocity of a block in the last tenth of the run, m/s."""
     time, place = result.history["time_s"], result.history[f"{name}.centre_x_m"]
     rows = time > 0.9 * time[-1]
     return float(np.polyfit(time[rows], place[rows], 1)[0])

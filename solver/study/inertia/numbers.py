@@ -70,13 +70,13 @@ class Curve:
         rising = np.sign(np.diff(self.drifts))
         return self.portions[1:-1][rising[:-1] * rising[1:] < 0]
 
-    def followed(self, targets: Array, start: float = 1.0) -> list[float]:
-        """The root that a start leads to as the target goes from value to value; NaN: none.
+    def followed(self, targets: Array) -> list[float]:
+        """The root that lambda = 1 leads to as the target goes from value to value; NaN: none.
 
         It stays on its branch, between two local extremes of the curve, as long as that has a root;
         then it goes on from the nearest one, and where there is none it waits.
         """
-        turns, at, found = self.turns(), start, []
+        turns, at, found = self.turns(), 1.0, []
         for target in targets:
             roots = self.roots(target)
             if not roots.size:
