@@ -140,9 +140,10 @@ CAUSES = {
 """Names of the causes of losses, in the order in which they are shown."""
 
 
-def _losses(loss: Mapping[str, float], shares: Mapping[str, float]) -> str:
-    """Energy lost, by its causes, J and parts of the whole."""
-    if math.isnan(sum(loss.values())):
+def _losses(loss: Mapping[str, float | None], shares: Mapping[str, float]) -> str:
+    """Energy lost, by its causes, J and parts of the whole; None of a file is no number."""
+    known = [part for part in loss.values() if part is not None and not math.isnan(part)]
+    if len(known) < len(loss):
         return "lost: not known"  # of a reference
     if not shares:
         return "lost: nothing"
@@ -151,7 +152,7 @@ def _losses(loss: Mapping[str, float], shares: Mapping[str, float]) -> str:
         for key, words in CAUSES.items()
         if abs(shares.get(key, 0.0)) >= LEAST_SHARE
     ]
-    return f"lost {_number(sum(loss.values()))} J: {', '.join(parts)}"
+    return f"lost {_number(sum(known))} J: {', '.join(parts)}"
 
 
 def told_lines(summary: Mapping[str, Any]) -> list[str]:

@@ -45,6 +45,19 @@ def test_the_page_of_a_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
     assert parse_scene((folder / "scene.toml").read_text())
 
 
+def test_the_page_of_a_reference(tmp_path: Path) -> None:
+    """What it does not know is none of the numbers of its file."""
+    scene, folder = tmp_path / "scene.toml", tmp_path / "reference"
+    scene.write_text(
+        'foundation = { kind = "oscillator", mass_ratio = 2.0, period = 0.5 }\n'
+        'block = [{ width = 0.25, height = 1.0, density = 2e3, tilt_deg = 3.0, model = "rigid" }]\n'
+        "contact = { friction = 0.7 }\ntime = { end = 0.3 }\n"
+    )
+    assert main(["reference", str(scene), "-o", str(folder), "-q"]) == 0
+    assert main(["report", str(folder), "--no-film"]) == 0
+    assert "lost: not known" in page_of(folder / "report.html").text
+
+
 @pytest.mark.slow
 def test_the_film_stands_on_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """It is made once."""
