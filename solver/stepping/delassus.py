@@ -39,6 +39,10 @@ WEIGHT_OVER_ROUND_OFF = 1e4
 """Weight of a rigid body over the change of its point forces that round-off of the places of its
 points makes, at least."""
 
+LARGEST_SOFTENING = 1e-5
+"""The same diagonal at most, for round-off: W falls with the square of the step, and in the short
+steps of an impact a light body would else be caught by the diagonal, not by the contact."""
+
 
 class Delassus(NamedTuple):
     """The operator at some candidate points.
@@ -144,9 +148,8 @@ class Softening:
     def at(self, near: CandidateSet, W: Array) -> Array:
         """The diagonal at candidate points, (m,), m/N, for their W without it."""
         relative, least = self.relative.take(near.number), self.least.take(near.number)
-        if not relative.any():
-            return least
-        return np.maximum(relative * np.einsum("ijij->ij", W).max(axis=1), least)
+        diagonal = np.einsum("ijij->ij", W).max(axis=1)
+        return np.maximum(relative * diagonal, np.minimum(least, LARGEST_SOFTENING * diagonal))
 
 
 def assembled(
