@@ -65,6 +65,7 @@ def impacts(result: Result) -> list[float]:
 # ---------------------------------------------------------------- in the plane
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("degree", [1, 2])
 def test_a_polygon_that_is_a_box_does_what_the_box_does(degree: int) -> None:
     """To the first impact and over two more, but for the mesh."""
@@ -218,6 +219,7 @@ def test_a_wedge_and_a_box_collide() -> None:
     assert first.time_s == pytest.approx((corner - reach) / 2.0, abs=2e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("dimension", "sizes", "error"),
     [(2, (0.2, 0.2), 2e-4), (2, (0.2, 0.16), 0.02), (3, (0.25, 0.2), 0.02)],
@@ -534,6 +536,7 @@ def assert_stands_with_all_of_its_mass(given: Scene) -> None:
     assert np.abs(gaps).max() < 1e-9
 
 
+@pytest.mark.slow
 def test_a_vase_is_meshed_by_its_true_surface(tmp_path: Path) -> None:
     """All of its mass, its centre but for the chords of cells; it stands, and leans as if rigid.
 
@@ -566,6 +569,7 @@ def test_a_union_with_a_hollow_profile_is_refused_where_it_is_elastic() -> None:
         scene(STONE | {"shape": both}, 0.01, 1e-3, dimension=3)
 
 
+@pytest.mark.slow
 def test_a_vase_lifts_at_its_own_arm_over_height(tmp_path: Path) -> None:
     """As the ground's acceleration grows slowly, to within 1 %."""
     shape = {"shape": {"file": str(write_stl(tmp_path / "vase.stl", *vase(48, 20)))}}

@@ -133,6 +133,7 @@ def test_a_yielding_tether_is_longer_for_good() -> None:
 # ------------------------------------------------------------------ energy
 
 
+@pytest.mark.slow
 def test_undamped_springs_keep_their_energy_over_10000_periods() -> None:
     """A block that swings and turns on two springs, one axial and one along axes."""
     free = SLENDER | {"position": [0.0, 5.0], "velocity": [0.3, 0.0]}

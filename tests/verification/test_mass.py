@@ -146,6 +146,7 @@ def test_a_restitution_that_is_given_holds_for_both_edges() -> None:
     assert run(given).history["block.angle_rad"] == pytest.approx(exact.angle, abs=5e-6)
 
 
+@pytest.mark.slow
 def test_shaken_on_an_incline_and_on_a_platform() -> None:
     """The engine and the equation, also where the ground moves and where a spring carries it."""
     pulse = {"kind": "one_sine", "amplitude_g": -0.35, "duration": 0.5}

@@ -52,6 +52,7 @@ def collisions(result: Result) -> list[Event]:
     return [event for event in result.history.events if event.kind == "collision"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("young", "tolerance"), [(5e9, 1e-3), (5e11, 1e-4)])
 def test_equal_bars_exchange_their_velocities(young: float, tolerance: float) -> None:
     """Within 1 %, whatever their stiffness; the impulse is the momentum that the second gets."""
@@ -200,6 +201,7 @@ def stacks() -> Scene:
     )
 
 
+@pytest.mark.slow
 def test_momentum_of_stacks_that_pound_on_a_deck() -> None:
     """In each step: impulses on each block are its change of momentum, and so is the base shear."""
     case = stacks()
