@@ -6,7 +6,7 @@ RUFF := $(or $(shell command -v ruff),.cache/lint/bin/ruff)
 help:
 	@echo "make demo    free rocking of the granite block, with pictures and ParaView files"
 	@echo "make test    the test suite"
-	@echo "make quick   the tests that are neither slow nor run mpirun: less than two minutes"
+	@echo "make quick   the tests that are neither slow nor run mpirun: some two minutes"
 	@echo "make oracles the contract: key numbers of 230 scenes beside closed forms, programs and other engines"
 	@echo "make paraview   runs opened in a real ParaView, in an image of its own (tests/in_paraview)"
 	@echo "make sanitize   the compiled kernels under the sanitizers of addresses and of undefined behaviour"
