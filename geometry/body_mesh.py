@@ -36,7 +36,7 @@ class BodyMesh:
     made: MeshedBody
     """The mesh; tags of facets are those of the faces."""
     faces: tuple[BodyFaces, ...]
-    """Those of its convex hull, then those of its parts, in the frame of the mesh."""
+    """Faces of its convex hull, then faces of its parts, in the frame of the mesh."""
 
 
 def body_mesh(

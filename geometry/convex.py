@@ -326,7 +326,7 @@ def _without_straight_edges(points: Array, loops: list[list[int]]) -> list[list[
 
 
 def _begun_well(points: Array, loops: list[list[int]]) -> list[list[int]]:
-    """The same loops, each begun where its first three corners give its plane best."""
+    """Loops of corners, each begun where its first three corners give its plane best."""
     found: list[list[int]] = [[]] * len(loops)
     for numbers, corners in _by_length(loops):
         rings = points[corners]

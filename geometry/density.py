@@ -208,9 +208,9 @@ class FootedDensity:
     high: float
     """Level of its top, m."""
     box: float
-    """Mean of the box over that of the whole."""
+    """Mean density of the box over that of the whole."""
     feet: float
-    """That of the feet over that of the whole."""
+    """The density of the feet over that of the whole."""
     law: Density | None
     """How it varies in the box, over the mean there; None: it does not."""
 

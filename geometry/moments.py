@@ -27,15 +27,15 @@ class Moments:
     """Integral of (x - c) (x - c)^T, (d, d), m^5, in the plane m^4; kg m^2 or kg m of a mass."""
 
     def times(self, factor: float) -> Moments:
-        """Those of a region of uniform density, or of a plane region of some thickness."""
+        """Moments of a region of uniform density, or of a plane region of some thickness."""
         return Moments(volume=factor * self.volume, centre=self.centre, spread=factor * self.spread)
 
     def moved(self, by: Array) -> Moments:
-        """Those of the region moved by a vector (d,), m."""
+        """Moments of the region moved by a vector (d,), m."""
         return Moments(volume=self.volume, centre=self.centre + by, spread=self.spread)
 
     def rotated(self, rotation: Array) -> Moments:
-        """Those of the region turned about the origin by a rotation matrix (d, d)."""
+        """Moments of the region turned about the origin by a rotation matrix (d, d)."""
         spread = rotation @ self.spread @ rotation.T
         return Moments(volume=self.volume, centre=rotation @ self.centre, spread=spread)
 

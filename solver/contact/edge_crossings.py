@@ -301,7 +301,7 @@ class Crossings(FacetCarrier):
         return frame, np.asarray(good)
 
     def within(self, edge: Array, face: Array, frame: Array, pairs: Mask) -> Mask:
-        """Those pairs that cross within both edges, not where a corner touches the other face."""
+        """The pairs that cross within both edges, not where a corner touches the other face."""
         if not pairs.any():
             return pairs
         i, j = self._edges

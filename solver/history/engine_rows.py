@@ -71,7 +71,7 @@ class EngineRows:
         self.blocks = [slice(*both) for both in pairwise(ends)]
         """Places of the columns of each block."""
         self.feet = [self._feet_of(name, count) for name, count in feet.items()]
-        """Those of its feet, one after another: of each the normal force, then friction."""
+        """Columns of the feet, one after another: of each the normal force, then friction."""
         energies = (*STORED_ENERGIES, "input", *DISSIPATED_ENERGIES, "total", "ledger_error")
         at = positions("energy", d)
         self._energies = [self.layout.energy + getattr(at, f"{name}_J") for name in energies]
