@@ -40,7 +40,7 @@ class Push:
     force: Array
     """Over the weight, the mean since the frame before, (n, d)."""
     weight: float
-    """That weight, N; 1 without gravity."""
+    """The weight that forces are over, N; 1 without gravity."""
     place: Array
     """Point of application of that force, m, (n, d)."""
     states: list[State]

@@ -226,7 +226,7 @@ class Shot:
         self._unit = arrow_of_weight(scene)
         """Length of an arrow that stands for the largest weight, m."""
         self._weight = max(block.push.weight for block in blocks)
-        """That weight, N."""
+        """The largest weight, N."""
 
     def draw(self, renderer: Renderer, frame: int) -> Pixels:
         """The picture of a frame."""

@@ -40,6 +40,7 @@ from solver.stepping.delassus import (
     Tangents,
     assembled,
     of_no_points,
+    own_compliance,
 )
 from solver.stepping.link_correction import (
     CorrectedBodies,
@@ -321,8 +322,7 @@ class StepProblem:
         if self.contact.friction.steady or operator is None:
             return softness
         own, near = softness.copy(), operator.near.number
-        moved = np.einsum("mimi->mi", operator.W).max(axis=1, initial=0.0)
-        own[near] = np.where(own[near] > 0.0, own[near], moved)
+        own[near] = np.where(own[near] > 0.0, own[near], own_compliance(operator.W))
         return own
 
     def _deactivate(self, y: Array) -> None:

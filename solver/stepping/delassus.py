@@ -148,8 +148,13 @@ class Softening:
     def at(self, near: CandidateSet, W: Array) -> Array:
         """The diagonal at candidate points, (m,), m/N, for their W without it."""
         relative, least = self.relative.take(near.number), self.least.take(near.number)
-        diagonal = np.einsum("ijij->ij", W).max(axis=1)
+        diagonal = own_compliance(W)
         return np.maximum(relative * diagonal, np.minimum(least, LARGEST_SOFTENING * diagonal))
+
+
+def own_compliance(W: Array) -> Array:
+    """What the force at a point moves it by, at most, (m,), m/N, by W, (m, d, m, d)."""
+    return np.asarray(np.einsum("ijij->ij", W).max(axis=1))
 
 
 def assembled(
