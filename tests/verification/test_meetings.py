@@ -241,6 +241,25 @@ def test_a_block_lands_on_another_one() -> None:
     assert result.summary["collapse"] == []
 
 
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_what_falls_from_a_block_lands_on_the_platform_and_rests(dimension: int) -> None:
+    """Dropped on the edge of a block on a platform that sways: on the one, then on the other."""
+    place = [0.25, *[0.0] * (dimension - 2), 1.2]
+    falling = {"name": "up", "width": 0.2, "height": 0.3, "mass": 50.0, "position": place}
+    foundation = {"kind": "oscillator", "mass": 500.0, "period": 0.5, "damping_ratio": 0.05}
+    motion = {"kind": "sine", "amplitude_g": 0.3, "period": 0.6, "cycles": 2}
+    more: dict[str, Any] = {"dimension": dimension, "foundation": foundation, "motion": motion}
+    result = run({"name": "low"}, falling, time={"end": 4.0}, **more)
+    met = [event.meets for event in events_of(result, "landing") if event.block == "up"]
+    assert met[0] == "low" and met[-1] == "foundation"
+    history = result.history
+    height, force = (f"up.centre_{'yz'[dimension - 2]}_m", "up.normal_force_N")
+    rests = history["time_s"] > 3.5
+    np.testing.assert_allclose(history[height][rests], 0.15, atol=1e-9)
+    np.testing.assert_allclose(history[force][rests], 50 * G, rtol=1e-9)
+    assert result.summary["deepest_penetration_m"] < 1e-9 * 0.2
+
+
 def test_a_lintel_falls_when_it_is_off_both_posts() -> None:
     """One post is thrown from under it: it falls at that end, and lies against the other."""
     posts = [{"name": "a", "offset": -0.8}, {"name": "b", "offset": 0.8, "velocity": [6.0, 0.0]}]
