@@ -86,6 +86,27 @@ def test_five_in_a_row_pass_their_momentum_on() -> None:
     assert speeds[4] == pytest.approx(2.0, rel=0.1)
 
 
+@pytest.mark.parametrize(
+    ("low", "tall"), [([4, 2], [2, 8]), ([2, 1], [6, 24])], ids=["low is finer", "tall is finer"]
+)
+def test_a_low_block_strikes_the_face_of_a_tall_one(low: list[int], tall: list[int]) -> None:
+    """Its upper corner is met inside a face, whichever has the points: momentum stays."""
+    stone: dict[str, Any] = {"model": "elastic", "young": 5e9, "poisson": 0.2, "friction": 0.0}
+    first = {"name": "low", "width": 0.4, "height": 0.2, "mass": 80.0, "velocity": [1.0, 0.0]}
+    second = {"name": "tall", "width": 0.5, "height": 2.0, "mass": 800.0, "offset": 0.451}
+    blocks = [stone | first | {"cells": low}, stone | second | {"cells": tall}]
+    result = simulate(parse_scene({"block": blocks, "time": {"end": 0.01}}))
+    (met,) = collisions(result)
+    assert (met.block, met.meets) == ("low", "tall")
+    assert met.time_s == pytest.approx(1e-3, rel=1e-3)  # under their weight both are wider
+    momenta = [80.0 * last_velocity(result, "low"), 800.0 * last_velocity(result, "tall")]
+    assert sum(momenta) == pytest.approx(80.0, abs=1e-6)
+    assert met.impulse_Ns == pytest.approx(86.0, rel=0.03)
+    assert not result.summary["overlaps"]
+    assert result.history["low.penetration_m"].max() < 1e-6
+    assert result.summary["energy"]["largest_gain_fraction"] < 1e-9
+
+
 DOMINO: dict[str, Any] = {
     **{"width": 0.1, "height": 1.0, "mass": 200.0, "friction": 0.5},
     **{"young": 5e10, "poisson": 0.2},
