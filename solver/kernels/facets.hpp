@@ -11,6 +11,8 @@
 // hold exactly, whatever the step and however many facets it crosses.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -138,7 +140,7 @@ template <int d> class FacetProjection {
         }
         fill_in(place, found);
         const double miss = outside_by(where);
-        closest.beyond_edge[number] = miss > shapes_.margin;
+        closest.beyond_edge[number] = miss > shapes_.margin && !(miss <= 0 && is_between_facets(nodes, where, at));
         SlopeAndStretch<t> there = slope_and_stretch(
             nodes, [&](int j, int a) { return at.derivatives[j][a]; }, inverted(along));
         const double share = std::min(std::max(1.0 + miss / EDGE_BLEND_WIDTH, 0.0), 1.0);
@@ -243,6 +245,20 @@ template <int d> class FacetProjection {
             if (!is_triangle_) miss = std::max(miss, where[j] - 1);
         }
         return is_triangle_ ? std::max(miss, total - 1) : miss;
+    }
+
+    /// True if a point on a side of its facet has another facet beyond it, and is at none of their nodes: there
+    /// the node is the point of contact.
+    bool is_between_facets(const std::int64_t* nodes, const Vec<t>& where, const Evaluated& at) const {
+        const double shift = 8 * std::fabs(shapes_.margin), middle = is_triangle_ ? 1.0 / 3 : 0.5;
+        if (*std::max_element(at.values.begin(), at.values.begin() + k_) > 1 - shift) return false;
+        Vec<t> outwards = where, point{}, there{};
+        for (double& coordinate : outwards) coordinate += shift * (coordinate - middle);
+        const Evaluated further = evaluate(outwards);
+        for (int a = 0; a < k_; a++)
+            for (int i = 0; i < t; i++) point[i] += further.values[a] * placed_[nodes[a]][1 + i];
+        over(point, there);
+        return outside_by(there) <= 0;
     }
 
     /// Takes all facets as spanned by two edges.
