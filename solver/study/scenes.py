@@ -14,6 +14,9 @@ from solver.scene.reader import read_toml
 Tables = dict[str, Any]
 """A scene as plain tables."""
 
+Changes = Mapping[str, Any]
+"""Values of a scene by the dotted names of their keys; None takes a key away."""
+
 
 def scene_tables(options: argparse.Namespace) -> Tables:
     """The tables of the scene of a command line, with the values of `--set`."""
@@ -21,6 +24,31 @@ def scene_tables(options: argparse.Namespace) -> Tables:
     tables = read_toml(read_text(path), path.name)
     set_values(tables, options.overrides)
     return tables
+
+
+def changed(tables: Mapping[str, Any], changes: Changes) -> Tables:
+    """A scene with other values: as `--set` has them, and of all blocks by `block.KEY`."""
+    new = deepcopy(dict(tables))
+    for path, value in changes.items():
+        *parents, key = path.split(".")
+        for table in _meant(new, parents):
+            if value is None:
+                table.pop(key, None)
+            else:
+                table[key] = deepcopy(value)
+    return new
+
+
+def _meant(tables: Tables, parents: list[str]) -> list[Tables]:
+    """The tables at a path: of the block of that name, of all blocks, or below the scene."""
+    named = {entry.get("name", "block"): [entry] for entry in tables["block"]}
+    found = [tables]
+    if parents and parents[0] in ("block", *named):
+        found = named.get(parents[0], tables["block"])
+        parents = parents[1:]
+    for parent in parents:
+        found = [table.setdefault(parent, {}) for table in found]
+    return found
 
 
 def with_model(tables: Mapping[str, Any], engine: str | None) -> Tables:

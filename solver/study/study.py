@@ -114,8 +114,8 @@ class Study(ABC, Generic[Case]):
         yield self.wanted
 
     def key(self, case: Case) -> str:
-        """The key of the row of a case, and the name of its file."""
-        return case.name
+        """The key of the row of a case, and the name of its file: its name, if it has no other."""
+        return str(getattr(case, "key", case.name))
 
     def keep(self, case: Case, row: Row) -> Row:
         """Keep the row of a case in the folder; returns it."""

@@ -7,7 +7,7 @@ import io
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from solver.results.summary import write_json, write_whole
 
@@ -15,6 +15,27 @@ Row = Mapping[str, Any]
 
 Member = TypeVar("Member")
 Key = TypeVar("Key")
+
+
+class Column(NamedTuple):
+    """A column of a table in words: numbers are multiplied by a factor and formatted."""
+
+    key: str
+    heading: str
+    form: str = ""
+    factor: float = 1.0
+
+
+def in_words(rows: Iterable[Row], columns: Sequence[Column]) -> list[list[str]]:
+    """The heading, then rows as words; what is not known (missing or None) is "-"."""
+
+    def word(value: Any, column: Column) -> str:
+        if value is None:
+            return "-"
+        return format(column.factor * value, column.form) if column.form else str(value)
+
+    heading = [column.heading for column in columns]
+    return [heading, *([word(row.get(c.key), c) for c in columns] for row in rows)]
 
 
 def in_columns(table: Sequence[Sequence[str]], left: int = 1) -> list[str]:
@@ -36,9 +57,12 @@ def in_columns(table: Sequence[Sequence[str]], left: int = 1) -> list[str]:
 
 
 def in_markdown(table: Sequence[Sequence[str]]) -> list[str]:
-    """Lines of a table of words in Markdown; the first row is the heading."""
+    """Lines of a table of words in Markdown, in columns; the first row is the heading."""
+    widths = [max(3, *map(len, column)) for column in zip(*table, strict=True)]
     heading, *rows = table
-    return [f"| {' | '.join(row)} |" for row in (heading, ["---"] * len(heading), *rows)]
+    lines = (heading, ["-" * width for width in widths], *rows)
+    padded = ([w.ljust(n) for w, n in zip(line, widths, strict=True)] for line in lines)
+    return [f"| {' | '.join(line)} |" for line in padded]
 
 
 def groups(rows: Iterable[Member], key: Callable[[Member], Key]) -> dict[Key, list[Member]]:

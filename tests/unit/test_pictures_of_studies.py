@@ -126,11 +126,11 @@ def test_the_band_of_a_limit_is_as_wide_as_its_uncertainty() -> None:
     from solver.study.damping.picture import restitution_picture
 
     line = DampingLine(
-        axis=AXES["step"], at=None, values=(1e-3, 5e-4),
+        axis=AXES["step"], values=(1e-3, 5e-4),
         found=(Restitution((0.90, 0.95), 2), Restitution((0.91, 0.93), 2)),
-        limit=Limit(value=0.92, uncertainty=0.004, source="reached"), limits=(),
+        limit=Limit(value=0.92, uncertainty=0.004, source="reached"),
     )  # fmt: skip
-    (axes,) = restitution_picture([line], None, None).axes
+    (axes,) = restitution_picture([line], None).axes
     assert vertical_reach(axes, "limit") == pytest.approx((0.916, 0.924))
     assert bars(axes) == [pytest.approx((0.90, 0.95)), pytest.approx((0.91, 0.93))]
 

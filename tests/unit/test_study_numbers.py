@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
@@ -13,9 +12,7 @@ import pytest
 from scenes import BLOCK
 
 from rockslip import parse_scene
-from solver.scene import Scene
-from solver.scene.foundation import PlateSpec
-from solver.study.damping.axes import AXES, Axis, BaseScene, Sweep, SweptValue, watched
+from solver.study.damping.axes import AXES, Axis, DampingCase, SweptValue
 from solver.study.damping.calibration import measured_peaks
 from solver.study.damping.numbers import limit, lines
 from solver.study.horizon.numbers import as_text as horizons_as_text
@@ -221,47 +218,23 @@ def test_a_boundary_of_overturning_is_compared_with_the_rigid_one(
         row | {"engine": "rigid", "boundaries": [
             edge | {"amplitude": 1.0}, other | {"amplitude": amplitude}, edge | {"amplitude": 3.0}
         ]},
-        row | {"engine": "ode", "boundaries": [edge | {"amplitude": amplitude}]},
+        row | {"engine": "elastic", "restitution": None, "boundaries": [
+            edge | {"amplitude": amplitude}
+        ]},
     ]  # fmt: skip
     edges = boundary_rows(rows, 0.9)
     assert edges[-1]["rigid_amplitude"] == 1.0
     assert edges[-1]["difference"] == pytest.approx(difference)
-    assert differences(edges) == {"ode": pytest.approx(abs(difference))}
+    assert differences(edges) == {"elastic": pytest.approx(abs(difference))}
 
 
 # --- damping
 
-GRANITE = BLOCK.replace('"', "'") + "\ncells = [5, 20]\n"
 
-
-def put(name: str, value: float, text: str) -> Scene:
-    """A scene in which an axis has a value."""
-    scene = parse_scene(text)
-    base = BaseScene(tables=tomllib.loads(text), scene=scene, block=watched(scene, None), end=1.0)
-    return base.case((AXES[name], value)).scene
-
-
-def test_a_floor_that_is_put_in_has_the_cells_of_the_block() -> None:
-    """Four widths and twice the offset wide, one width high."""
-    text = GRANITE + "tilt_deg = 3.0\noffset = -0.25\n[time]\nend = 1.0\n"
-    floor = put("floor", 3.0, text).foundation
-    assert isinstance(floor, PlateSpec)
-    assert (floor.width, floor.height) == pytest.approx((4 * 0.25 + 2 * 0.25, 0.25))
-    assert tuple(floor.cells) == (30, 5)  # of 0.05 m
-
-
-def test_a_floor_that_is_put_in_under_a_block_in_space_has_its_cells() -> None:
-    text = "dimension = 3\n" + GRANITE.replace("[5, 20]", "[5, 3, 20]")
-    text += "tilt_deg = 3.0\noffset = 0.25\noffset_second = 0.5\n[time]\nend = 1.0\n"
-    floor = put("floor", 3.0, text).foundation
-    assert isinstance(floor, PlateSpec)
-    assert (floor.width, floor.thickness) == pytest.approx((1.5, 4 * 0.75 + 2 * 0.5))
-    assert tuple(floor.cells) == (30, 16, 5)
-
-
-def rows_of(axis: Axis, found: dict[float, float]) -> tuple[Sweep, dict[str, Any]]:
-    """A sweep and its rows: two impacts of one restitution at each value."""
-    values = tuple(SweptValue(axis=axis, value=v, at=None, case=f"{v:g}") for v in found)
+def rows_of(axis: Axis, found: dict[float, float]) -> tuple[list[SweptValue], dict[str, Any]]:
+    """The values of an axis and their rows: two impacts of one restitution at each value."""
+    scene = parse_scene(BLOCK + "\n[time]\nend = 1.0\n")
+    cases = {v: DampingCase(key=f"{v:g}", name="", scene=scene, block="block") for v in found}
     rows = {
         f"{value:g}": {
             "status": "completed",
@@ -270,7 +243,7 @@ def rows_of(axis: Axis, found: dict[float, float]) -> tuple[Sweep, dict[str, Any
         }
         for value, e in found.items()
     }
-    return Sweep(base="", values=values, at=None, cases=(), left_out=()), rows
+    return [SweptValue(axis, value, case) for value, case in cases.items()], rows
 
 
 @pytest.mark.parametrize("name", ["mesh", "step"])

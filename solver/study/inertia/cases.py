@@ -227,10 +227,6 @@ class InertiaStudy(Study[SlidingCase | BlockCase]):
         self.count = self.counts[0]
         self.settings = {"scene": self.scene.to_dict()}
 
-    def key(self, case: SlidingCase | BlockCase) -> str:
-        """Made from what a case computes."""
-        return case.key
-
     def rounds(self) -> Iterator[Sequence[SlidingCase | BlockCase]]:
         """The sliding blocks, then those of engines; more motions until intervals are narrow."""
         for self.count in self.counts:
