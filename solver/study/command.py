@@ -156,10 +156,6 @@ def _inertia(parser: argparse.ArgumentParser) -> None:
         help="besides a block that slides: rigid blocks, finite elements",
     )  # fmt: skip
     _add_motions(parser, 300)
-    add(
-        "--within", type=float, metavar="W",
-        help="stop at fewer motions once all intervals of 90 %% are within +-W, such as 0.05",
-    )  # fmt: skip
     _add_keeping(parser, "inertia")
 
 

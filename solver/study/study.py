@@ -6,7 +6,8 @@ A study is a subclass of `Study` in `solver/study/NAME/cases.py`:
 - `__init__(options)` reads the command line, refuses all that can be refused, and sets `settings`
   (what a study that is resumed must have in common with the earlier one) and `wanted` (its cases);
 - a case is a frozen dataclass with a `name`, its own in the study, and `run()`, which returns its
-  row: a mapping that JSON can hold, with "status" and "reason". Cases run in other processes;
+  row: a mapping that JSON can hold, with "status" and "reason" unless it completed. Cases run in
+  other processes;
 - `rounds()` is overridden where the cases of one round follow from the rows of the rounds before;
 - `keep(case, row)` is overridden where a row has parts that go into files of their own;
 - `write()` leaves (`leave`) and draws (`draw`) what `completed` (or `ordered`) rows say, and
@@ -280,8 +281,8 @@ class Study(ABC, Generic[Case]):
 
 
 def _run(case: StudyCase) -> Row:
-    """Run a case, in another process."""
-    return case.run()
+    """Run a case, in another process; it completed unless its row says something else."""
+    return {"status": "completed", "reason": ""} | case.run()
 
 
 def read_mapping(file: Path) -> Row:

@@ -20,7 +20,7 @@ from solver.study.horizon.numbers import growth
 from solver.study.inertia import cases as inertia
 from solver.study.inertia.cases import BlockCase, SlidingCase
 from solver.study.inertia.cells import Cell, Structure
-from solver.study.inertia.numbers import SLIDING, Curve, Finding, Line, Portion, grid, resampled
+from solver.study.inertia.numbers import SLIDING, Curve, Finding, Line, Portion, grid
 from solver.study.inertia.numbers import differences as inertia_differences
 from solver.study.modes.numbers import maps_of
 from solver.study.overturning.boundaries import DIRECTLY, STAYS
@@ -49,7 +49,7 @@ def portion(value: float | None) -> Portion:
 def finding(friction: float, by: str, value: float | None, drift: float = 0.01) -> Finding:
     return Finding(
         cell=cell(friction), by=by, motions=4, arithmetic=portion(value), geometric=portion(value),
-        insensitive=False, drift=drift, drift_over_fixed=0.9, drift_over_bare=1.4,
+        drift=drift, drift_over_fixed=0.9, drift_over_bare=1.4,
         shear_over_fixed=0.8, shear_over_bare=1.6,
     )  # fmt: skip
 
@@ -71,7 +71,6 @@ def test_an_engine_that_differs_from_the_sliding_block_has_its_own_portion() -> 
         drifts=size[:, None] * (1 + grid()),
         peaks=np.stack([fixed, slides], axis=1),
         bare=np.stack([size, [0.5, 1.0, 9.0, 0.0]], axis=1),
-        weights=resampled(4),
     )
     fell = (0.0, 1.0, 0.0, 0.0)
     outcomes = [None if k == 2 else [1.25 * c, 2.0, 0.2, 0.1, fell[k]] for k, c in enumerate(size)]

@@ -166,8 +166,6 @@ class ModesCase:
                 point |= {"rigid_turn": rigid.turn, "rigid_slip": rigid.slip}
             points.append(point)
         return {
-            "status": "completed",
-            "reason": "",
             "engine": self.engine,
             "ratio": self.ratio,
             "width": self.scenes[0].blocks[0].width,

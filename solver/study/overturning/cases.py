@@ -77,8 +77,6 @@ class OverturningCase:
             ends = ((near(fate, *edge, tolerance), edge) for edge in self.rigid if STAYS in edge)
             found = [Boundary(sum(both) / 2, *edge[1:]) for both, edge in ends if both]
         return {
-            "status": "completed",
-            "reason": "",
             "engine": self.engine,
             "pulse": self.pulse,
             "frequency": self.frequency,
