@@ -18,24 +18,34 @@ Key = TypeVar("Key")
 
 
 class Column(NamedTuple):
-    """A column of a table in words: numbers are multiplied by a factor and formatted."""
+    """A column of a table in words."""
 
     key: str
     heading: str
     form: str = ""
+    """Format of numbers; values as they are where there is none."""
     factor: float = 1.0
+    """That numbers are multiplied by."""
+    least: float = 0.0
+    """Magnitudes up to this are round-off."""
+    unknown: str = "-"
+    """Word for what is not known."""
+
+    def word(self, row: Row) -> str:
+        """The value of a row."""
+        value = row.get(self.key)
+        if value is None:
+            return self.unknown
+        if not self.form:
+            return str(value)
+        shown = self.factor * value
+        return format(shown if abs(shown) > self.least else 0.0, self.form)
 
 
 def in_words(rows: Iterable[Row], columns: Sequence[Column]) -> list[list[str]]:
-    """The heading, then rows as words; what is not known (missing or None) is "-"."""
-
-    def word(value: Any, column: Column) -> str:
-        if value is None:
-            return "-"
-        return format(column.factor * value, column.form) if column.form else str(value)
-
+    """The headings of columns, then rows as words; what is missing or None is not known."""
     heading = [column.heading for column in columns]
-    return [heading, *([word(row.get(c.key), c) for c in columns] for row in rows)]
+    return [heading, *([column.word(row) for column in columns] for row in rows)]
 
 
 def in_columns(table: Sequence[Sequence[str]], left: int = 1) -> list[str]:
