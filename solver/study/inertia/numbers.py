@@ -165,8 +165,11 @@ def mean_curve(drifts: Array) -> Curve:
 def _portion(value: float, roots: Array, spread: Array) -> Portion:
     """A value with the interval of those of the resampled suites."""
     known, own = spread[np.isfinite(spread)], None if np.isnan(value) else float(value)
-    ends = map(float, np.quantile(known, QUANTILES)) if known.size else (None, None)
-    return Portion(own, tuple(map(float, roots)), *ends, without=1 - known.size / spread.size)
+    without = 1 - known.size / spread.size
+    if not known.size:
+        return Portion(own, tuple(map(float, roots)), without=without)
+    low, high = map(float, np.quantile(known, QUANTILES))
+    return Portion(own, tuple(map(float, roots)), low, high, without)
 
 
 # ---------------------------------------------------------------- cells

@@ -17,7 +17,6 @@ import numpy as np
 from geometry.block import SIDES, Block
 from solver.excitation.kinds import base_motion
 from solver.excitation.pulses import Pulse
-from solver.reference.housner import housner_restitution
 from solver.rigid.system import RigidSystem
 from solver.run.simulate import simulate
 from solver.scene import Scene
@@ -110,7 +109,7 @@ class Upright:
 
     def restitution(self, angle: float) -> float:
         """E of the impact that ends a lean by an angle, on the other edge."""
-        return self.given or max(0.0, housner_restitution(self.shape, -_side(angle)))
+        return self.given or max(0.0, self.shape.restitution(-_side(angle)))
 
     def stays(self, energy: float, angle: float) -> bool:
         """True if the block leans by less than alpha, without the energy (J) to go beyond."""

@@ -15,7 +15,6 @@ import numpy as np
 
 from geometry.block import SIDES
 from solver.errors import SceneError, Statement
-from solver.reference.housner import housner_restitution
 from solver.scene import Scene
 from solver.study.overturning.blocks import PULSES, RigidUnderPulses, elastic_fate
 from solver.study.overturning.boundaries import STAYS, Boundary, boundaries, near
@@ -207,7 +206,7 @@ class OverturningStudy(Study[OverturningCase]):
         block = scene.blocks[0]
         parts = [f"H/B = {block.height / block.width:g}"]
         if len(self.restitutions) == 1 or restitution is not None:
-            own = [max(0.0, housner_restitution(block.shape, side)) for side in SIDES]
+            own = [max(0.0, block.shape.restitution(side)) for side in SIDES]
             given = [restitution] if restitution else dict.fromkeys(own)
             parts.append(f"e = {' and '.join(f'{each:.4g}' for each in given)}")
             if restitution is None:

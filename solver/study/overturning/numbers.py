@@ -41,7 +41,8 @@ def _boundary(
     row: Mapping[str, Any], edge: Mapping[str, Any], beside: Sequence[Mapping[str, Any]]
 ) -> Row:
     """A boundary, with the nearest of its kind beside it."""
-    made = {name: row[name] for name in ("engine", "pulse", "frequency", "restitution")} | edge
+    names = ("engine", "pulse", "frequency", "restitution")
+    made = {name: row[name] for name in names} | dict(edge)
     kind = edge["below"], edge["above"]
     if kind == (STAYS, DIRECTLY) and row["pulse"] in LINEAR:
         made["linear_threshold"] = LINEAR[row["pulse"]](row["frequency"])
