@@ -42,8 +42,7 @@ def of_inertia(period: float, friction: float, found: tuple[float, float, float]
             friction=friction, aspect=None,
         ),
         by=SLIDING, motions=4, arithmetic=portion, geometric=portion,
-        drift=0.01, drift_over_fixed=0.9, drift_over_bare=1.4, shear_over_fixed=0.8,
-        shear_over_bare=1.6,
+        means={},
     )  # fmt: skip
 
 

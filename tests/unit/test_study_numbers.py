@@ -49,8 +49,7 @@ def portion(value: float | None) -> Portion:
 def finding(friction: float, by: str, value: float | None, drift: float = 0.01) -> Finding:
     return Finding(
         cell=cell(friction), by=by, motions=4, arithmetic=portion(value), geometric=portion(value),
-        drift=drift, drift_over_fixed=0.9, drift_over_bare=1.4,
-        shear_over_fixed=0.8, shear_over_bare=1.6,
+        means={"mean_peak_drift_m": drift},
     )  # fmt: skip
 
 
@@ -78,11 +77,11 @@ def test_an_engine_that_differs_from_the_sliding_block_has_its_own_portion() -> 
     assert (found.motions, found.overturned) == (3, 1)
     assert found.arithmetic.value == pytest.approx(0.25, abs=1e-6)
     assert found.geometric.value == pytest.approx(0.25, abs=1e-4)
-    assert found.drift == pytest.approx(1.25 * (1 + 2 + 3) / 3)
-    assert found.drift_over_fixed == pytest.approx(1.25 / 2)
-    assert found.drift_over_bare == pytest.approx(1.25)
-    assert found.shear_over_fixed == pytest.approx(2.0 / ((1 + 2 + 6) / 3))
-    assert found.shear_over_bare == pytest.approx(2.0 / ((0.5 + 1 + 0) / 3))
+    assert found.means["mean_peak_drift_m"] == pytest.approx(1.25 * (1 + 2 + 3) / 3)
+    assert found.means["drift_over_fixed"] == pytest.approx(1.25 / 2)
+    assert found.means["drift_over_bare"] == pytest.approx(1.25)
+    assert found.means["base_shear_over_fixed"] == pytest.approx(2.0 / ((1 + 2 + 6) / 3))
+    assert found.means["base_shear_over_bare"] == pytest.approx(2.0 / ((0.5 + 1 + 0) / 3))
 
 
 @pytest.mark.parametrize("dynamic", [1.0, 0.5])

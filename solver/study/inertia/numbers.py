@@ -181,8 +181,7 @@ WANTED = 0.05
 """Half of the width that an interval of 90 % should not exceed."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Finding:
+class Finding(NamedTuple):
     """Lambda, drift and base shear of one cell, by one way of computing."""
 
     cell: Cell
@@ -193,16 +192,9 @@ class Finding:
     """lambda by the mean of the peaks, as in the paper."""
     geometric: Portion
     """By the mean of their logarithms."""
-    drift: float
-    """Mean peak drift, m; for motions scaled to 1 g, per 1 g."""
-    drift_over_fixed: float
-    """Over that with the whole live load fixed."""
-    drift_over_bare: float
-    """Over that of the empty structure."""
-    shear_over_fixed: float
-    """Mean peak base shear over that with the whole live load fixed."""
-    shear_over_bare: float
-    """Over that of the empty structure."""
+    means: Mapping[str, float]
+    """Mean peak drift, m (for motions scaled to 1 g, per 1 g), over that with the whole live load
+    fixed and over that of the empty structure; the same ratios of the base shear. By columns."""
     overturned: int = 0
     """Runs in which a block overturned or fell."""
 
@@ -290,22 +282,16 @@ class Line:
         chosen: Any,
         overturned: int = 0,
     ) -> Finding:
-        mean = peaks.mean(axis=0)
-        over_fixed = mean / self.peaks[chosen, 0].mean(axis=0)
-        over_bare = mean / self.bare[chosen].mean(axis=0)
-        return Finding(
-            cell=cell,
-            by=by,
-            motions=len(peaks),
-            arithmetic=pair[0],
-            geometric=pair[1],
-            drift=float(mean[0]),
-            drift_over_fixed=float(over_fixed[0]),
-            drift_over_bare=float(over_bare[0]),
-            shear_over_fixed=float(over_fixed[1]),
-            shear_over_bare=float(over_bare[1]),
-            overturned=overturned,
-        )
+        mean, fixed = peaks.mean(axis=0), self.peaks[chosen, 0].mean(axis=0)
+        over_fixed, over_bare = mean / fixed, mean / self.bare[chosen].mean(axis=0)
+        means = {
+            "mean_peak_drift_m": float(mean[0]),
+            "drift_over_fixed": float(over_fixed[0]),
+            "drift_over_bare": float(over_bare[0]),
+            "base_shear_over_fixed": float(over_fixed[1]),
+            "base_shear_over_bare": float(over_bare[1]),
+        }
+        return Finding(cell, by, len(peaks), *pair, means, overturned)
 
 
 def row_of(finding: Finding) -> dict[str, Any]:
@@ -331,11 +317,7 @@ def row_of(finding: Finding) -> dict[str, Any]:
         "lambda_geometric": geometric.value,
         "lambda_geometric_low": geometric.low,
         "lambda_geometric_high": geometric.high,
-        "mean_peak_drift_m": finding.drift,
-        "drift_over_fixed": finding.drift_over_fixed,
-        "drift_over_bare": finding.drift_over_bare,
-        "base_shear_over_fixed": finding.shear_over_fixed,
-        "base_shear_over_bare": finding.shear_over_bare,
+        **finding.means,
         "remark": finding.remark,
     }
 

@@ -51,7 +51,7 @@ def lambda_picture(findings: Sequence[Finding]) -> Figure:
 def shear_picture(findings: Sequence[Finding]) -> Figure:
     """Base shear over that with the whole live load fixed against the last axis."""
     label = "base shear / that of the fixed live load"
-    return curves_picture(findings, lambda f: (f.shear_over_fixed,) * 3, label)
+    return curves_picture(findings, lambda f: (f.means["base_shear_over_fixed"],) * 3, label)
 
 
 def of_lambda(finding: Finding) -> tuple[float, float, float] | None:
@@ -173,7 +173,7 @@ def roots_picture(lines: Sequence[Line], findings: Sequence[Finding]) -> Figure:
             for root in f.arithmetic.roots:
                 reported = f.arithmetic.value is not None and abs(root - f.arithmetic.value) < 1e-9
                 axes.plot(
-                    root, f.drift_over_fixed, "o", color=colour(place),
+                    root, f.means["drift_over_fixed"], "o", color=colour(place),
                     markersize=4 if reported else 6,
                     markerfacecolor=colour(place) if reported else "none",
                 )  # fmt: skip
