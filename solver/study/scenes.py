@@ -27,7 +27,10 @@ def scene_tables(options: argparse.Namespace) -> Tables:
 
 
 def changed(tables: Mapping[str, Any], changes: Changes) -> Tables:
-    """A scene with other values: as `--set` has them, and of all blocks by `block.KEY`."""
+    """A scene with other values: as `--set` has them.
+
+    Where no block is called so, `block.KEY` is that of all blocks.
+    """
     new = deepcopy(dict(tables))
     for path, value in changes.items():
         *parents, key = path.split(".")
@@ -100,12 +103,10 @@ def variant(
         time: `[time]` in place of its own.
         keys: Of the block.
     """
-    made = with_model(tables, model)
-    (block,) = made["block"]
-    made["block"] = [{key: value for key, value in (block | keys).items() if value is not None}]
+    changes: dict[str, Any] = {f"block.{key}": value for key, value in keys.items()}
     if time is not None:
-        made["time"] = time
-    return parse_scene(made)
+        changes["time"] = time
+    return parse_scene(changed(with_model(tables, model), changes))
 
 
 def is_elastic(tables: Tables) -> bool:

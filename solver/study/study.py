@@ -71,7 +71,8 @@ class Study(ABC, Generic[Case]):
     """A study of one command line.
 
     Class attributes:
-        kind: The name of its command, of its table, and the ending of its folder.
+        kind: The name of its command, and the ending of its folder.
+        table: The name of its table and text; "": the kind.
         noun: What it is, for errors.
         same: What a study that is resumed must have in common with the earlier one, in words.
         files: Names or patterns of what it leaves besides the settings, the summary, and files of
@@ -88,6 +89,7 @@ class Study(ABC, Generic[Case]):
     """
 
     kind: ClassVar[str]
+    table: ClassVar[str] = ""
     noun: ClassVar[str]
     same: ClassVar[str]
     files: ClassVar[tuple[str, ...]] = ()
@@ -150,9 +152,9 @@ class Study(ABC, Generic[Case]):
         """
         if names is None:  # a case that failed has few
             names = column_names(sorted(table, key=len, reverse=True))
-        ending = "md" if text.startswith("# ") else "txt"
-        write(self.folder / f"{self.kind}.csv", as_csv(table, names, digits))
-        write(self.folder / f"{self.kind}.{ending}", text)
+        own = self.folder / (self.table or self.kind)
+        write(own.with_suffix(".csv"), as_csv(table, names, digits))
+        write(own.with_suffix(".md" if text.startswith("# ") else ".txt"), text)
         write(self.folder / SUMMARY, summary)
 
     def draw(self, name: str, picture: Callable[..., Figure], *told: Any) -> None:

@@ -24,8 +24,8 @@ from solver.study.damping.axes import (
 from solver.study.damping.calibration import Search, Trial, target_of
 from solver.study.damping.numbers import Restitution, restitution_of
 from solver.study.scenes import scene_tables
-from solver.study.study import CASES, SUMMARY, Row, Study, numbers_by_name
-from solver.study.tables import Column, as_csv, column_names, in_words, write
+from solver.study.study import CASES, Row, Study, numbers_by_name
+from solver.study.tables import Column, in_words, write
 from solver.types import Array
 
 CLOSE = 4e-3
@@ -127,6 +127,8 @@ class Calibration(_Impacts):
         search: The runs so far.
     """
 
+    table = "calibration"
+
     def __init__(self, options: argparse.Namespace):
         """Read the command line; refuse what the scene does not take."""
         super().__init__(options)
@@ -207,10 +209,8 @@ class Calibration(_Impacts):
             }
             for trial in search.trials
         ]
-        write(self.folder / "calibration.csv", as_csv(table, column_names(table), digits=8))
-        told = self._sentences()
-        text = numbers.markdown(self.base.scene.title or "Calibration", self._cells(), told)
-        write(self.folder / "calibration.md", text)
+        title = self.base.scene.title or "Calibration"
+        text = numbers.markdown(title, self._cells(), self._sentences())
         summary = {
             "parameter": self.axis.name,
             "key": self.axis.key,
@@ -223,7 +223,7 @@ class Calibration(_Impacts):
             "restitution": best.restitution if best else None,
             "difference": search.best_error if best else None,
         }
-        write(self.folder / SUMMARY, summary)
+        self.leave(table, text, summary, digits=8)
         angle = None
         if best is not None:
             calibrated = self.base.with_value(self.axis, best.value)
