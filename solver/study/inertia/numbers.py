@@ -291,7 +291,8 @@ class Line:
             "base_shear_over_fixed": float(over_fixed[1]),
             "base_shear_over_bare": float(over_bare[1]),
         }
-        return Finding(cell, by, len(peaks), *pair, means, overturned)
+        arithmetic, geometric = pair
+        return Finding(cell, by, len(peaks), arithmetic, geometric, means, overturned)
 
 
 def row_of(finding: Finding) -> dict[str, Any]:
