@@ -8,11 +8,14 @@ from copy import deepcopy
 from typing import Any
 
 from solver.errors import SceneError, not_applicable
+from solver.reference.answer import refuse_several
 from solver.scene import Scene, parse_scene, read_text, set_values
 from solver.scene.reader import read_toml
 
 Tables = dict[str, Any]
 """A scene as plain tables."""
+
+HERE = "in this study"
 
 Changes = Mapping[str, Any]
 """Values of a scene by the dotted names of their keys; None takes a key away."""
@@ -123,28 +126,15 @@ def refuse_uneven(scene: Scene, what: str) -> None:
                 raise SceneError(f"{block.name}.{key}", "an uneven block", f"none {what}")
 
 
-def refuse_joined(scene: Scene) -> None:
-    """Refuse links and forces: SceneError."""
-    for key, members in (("link", scene.links), ("force", scene.forces)):
-        if members:
-            raise SceneError(key, members[0].name, "none in this study")
-
-
 def refuse_others(scene: Scene) -> None:
     """Refuse what is not one upright block at rest on firm ground in the plane: SceneError."""
-    if scene.dimension != 2:
-        raise SceneError("dimension", "3", "2 in this study")
-    if len(scene.blocks) != 1:
-        raise SceneError("block", f"{len(scene.blocks)} blocks", "one block in this study")
+    refuse_several(scene, HERE)
     block = scene.blocks[0]
     if scene.carrier_moves or scene.foundation.top is not None:
-        raise not_applicable("foundation", "blocks on level, firm ground in this study")
+        raise not_applicable("foundation", f"blocks on level, firm ground {HERE}")
     if scene.gravity <= 0 or scene.gravity_vector[0] != 0:
-        raise SceneError("gravity", "an incline, or none", "vertical gravity > 0 in this study")
-    if block.position is not None:
-        raise SceneError(f"{block.name}.position", "a place in the air", "offset in this study")
-    refuse_joined(scene)
+        raise SceneError("gravity", "an incline, or none", f"vertical gravity > 0 {HERE}")
     if scene.pairs:
-        raise SceneError("pair", scene.pairs[0].where, f"keys of {block.name} in this study")
+        raise SceneError("pair", scene.pairs[0].where, f"keys of {block.name} {HERE}")
     if block.tilt or any(block.velocity) or block.angular_velocity:
-        raise SceneError(block.name, "a block that is tilted or moves", "one at rest in this study")
+        raise SceneError(block.name, "a block that is tilted or moves", f"one at rest {HERE}")

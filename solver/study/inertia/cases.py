@@ -15,6 +15,7 @@ import numpy as np
 
 from solver.errors import NotConverged, SceneError
 from solver.excitation.sampled import SampledMotion
+from solver.reference.answer import refuse_joined
 from solver.run.simulate import simulate
 from solver.scene import parse_scene
 from solver.study.inertia.cells import Cell, Structure, cells_of, chosen, ladder, tables_of
@@ -29,7 +30,7 @@ from solver.study.inertia.numbers import (
     widest,
 )
 from solver.study.inertia.sliding import STEPS, fixed_drifts, jumps, peaks
-from solver.study.scenes import Tables, refuse_components, refuse_joined, scene_tables
+from solver.study.scenes import HERE, Tables, refuse_components, scene_tables
 from solver.study.study import Row, Study, digest
 from solver.study.suite.cases import SuiteCase, scene_of
 from solver.study.suite.motions import SuiteMotion, find_motions
@@ -194,7 +195,7 @@ class InertiaStudy(Study[SlidingCase | BlockCase]):
             options.motions, motion, count=count, seed=options.seed
         )
         self.scene = parse_scene(self.tables, folder=path.parent, source=path.name)
-        refuse_joined(self.scene)
+        refuse_joined(self.scene, HERE)
         self.by = sorted(set(options.by), reverse=True)
         axes = chosen(options.of)
         self.cells = cells_of(self.scene, axes)
