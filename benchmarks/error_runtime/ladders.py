@@ -19,10 +19,10 @@ from solver.scene.cells import refined
 from solver.scene.checking import nearest, shown
 from solver.types import Array
 
-Solve = Callable[[Scene], "RunOutcome"]
+Solve = Callable[[Any], "RunOutcome"]
 
-Variant = tuple[str, float, float, Scene]
-"""What is set, in words; what errors fall with; what it takes; the scene."""
+Variant = tuple[str, float, float, Any]
+"""What is set, in words; what errors fall with; what it takes; the scene, or what else is run."""
 
 #: Steps of a ladder begin with this times that of the scene, and are halved from there.
 COARSEST_STEP_RATIO = 4.0
@@ -217,10 +217,10 @@ def coarsest_step(scene: Scene) -> float:
 def ladder(
     name: str, size: str, variants: Iterable[Variant], solve: Solve, *, own: bool = True
 ) -> LadderFamily:
-    """A family of variants of a scene, from the coarsest to the finest; arguments as its own."""
+    """A family of variants, from the coarsest to the finest; arguments as its own."""
     rungs = (
-        Rung(setting=setting, size=number, work=work, solve=partial(solve, scene))
-        for setting, number, work, scene in variants
+        Rung(setting=setting, size=number, work=work, solve=partial(solve, what))
+        for setting, number, work, what in variants
     )
     return LadderFamily(name=name, size=size, rungs=tuple(rungs), own=own)
 

@@ -51,6 +51,9 @@ SETTINGS, CASES, SUMMARY = "settings.json", "cases", "summary.json"
 ENDINGS = ("csv", "txt", "md", "png")
 """Endings of the files that have the name of a study."""
 
+FORMAT = 2
+"""Number of the format of the rows that are kept; studies of another one are not gone on with."""
+
 HELD = "held"
 """Key of the settings for what a study that is resumed is compared with."""
 
@@ -237,7 +240,7 @@ class Study(ABC, Generic[Case]):
     def claimed(self) -> Self:
         """The study itself, which has made its folder, or refused to write over what is there."""
         options, folder = self.options, self.folder
-        settings = {"version": VERSION, **self.settings}
+        settings = {"version": VERSION, "format": FORMAT, **self.settings}
         held = json.loads(json.dumps(with_digests(settings)))
         allowed = "an empty folder, --force, or --resume"
         if folder.exists() and options.scene.resolve().parent == folder.resolve():

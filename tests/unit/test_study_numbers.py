@@ -158,12 +158,13 @@ def test_differences_that_grow_exponentially_have_their_rate() -> None:
     """Twins whose horizons are t0 - ln(delta)/lambda; one that has none does not count."""
     rate = 4.0
     twins: list[dict[str, Any]] = [
-        {"perturbation": d, "horizon_s": 0.3 - math.log(d) / rate, "largest": 1.0}
+        {"perturbation": d, "horizon_s": 0.3 - math.log(d) / rate, "largest_difference": 1.0}
         for d in (1e-10, 1e-8, 1e-5)
     ]
-    twins.append({"perturbation": 1e-14, "horizon_s": None, "largest": 1e-9})
+    twins.append({"perturbation": 1e-14, "horizon_s": None, "largest_difference": 1e-9})
     row = {
-        "engine": "rigid", "scale": 1.0, "end_s": 9.0, "peak": 0.5, "overturned": False,
+        "engine": "rigid", "scale": 1.0, "end_s": 9.0, "peak_angle_over_alpha": 0.5,
+        "overturned": False,
         "twins": twins,
     }  # fmt: skip
     assert growth(row) == pytest.approx(4.0)

@@ -46,26 +46,20 @@ def points_of(rows: Sequence[Mapping[str, Any]], gravity: float) -> list[Row]:
 
 def _point(row: Mapping[str, Any], point: Mapping[str, Any], gravity: float) -> Row:
     """A point beside what is expected of it."""
-    width = row["width"]
-    ratio, a, mu = row["ratio"], row["acceleration"], point["friction"]
+    width, ratio, a, mu = row["width"], row["ratio"], row["acceleration_g"], point["friction"]
     shape = Block(width=width, height=ratio * width, thickness=1.0, density=1.0)
     turn, slip = initial_accelerations(a, mu, shape, gravity)
     expected = initial_mode(a, mu, ratio)
     return {
-        "engine": row["engine"],
-        "ratio": ratio,
-        "acceleration_g": a,
-        "friction": mu,
-        "mode": point["mode"],
+        **{name: row[name] for name in ("engine", "ratio", "acceleration_g")},
         "expected": expected,
         "judged": not near_boundary(a, mu, ratio, BAND),
         "agrees": point["mode"] == expected,
-        "turn_rad_s2": point["turn"],
         "expected_turn_rad_s2": turn,
-        "slip_m_s2": point["slip"],
         "expected_slip_m_s2": slip,
-        "rigid_turn_rad_s2": point.get("rigid_turn", point["turn"]),
-        "rigid_slip_m_s2": point.get("rigid_slip", point["slip"]),
+        "rigid_turn_rad_s2": point["turn_rad_s2"],
+        "rigid_slip_m_s2": point["slip_m_s2"],
+        **point,
     }
 
 
