@@ -322,8 +322,7 @@ def test_the_search(
             found = law(value) + noise * float(random.uniform(-1, 1))
             search.tell(Trial(value=value, restitution=found, found=(found,)))
     if wanted == 0.9290:
-        assert not search.within_reach and len(search.made) <= 5
-        assert search.reach[0] == pytest.approx(0.92994, abs=1e-4)
+        assert not search.within_reach and len(search.made) == 3
         return
     assert len(search.made) <= (6 if law is model and not noise else MOST_RUNS)
     assert search.best_error <= max(5e-4, noise)
