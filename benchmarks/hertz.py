@@ -35,7 +35,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.error_runtime.findings import Findings, read_beside
-from benchmarks.error_runtime.ladders import LadderFamily, Rung, RunOutcome, climb
+from benchmarks.error_runtime.ladders import RunOutcome, climb, ladder
 from benchmarks.error_runtime.machine import machine
 from benchmarks.error_runtime.picture import picture
 from benchmarks.error_runtime.reference import Reference
@@ -209,20 +209,9 @@ def press(facets: int, points: str) -> RunOutcome:
 
 def against_run_time() -> Findings:
     """Errors against run time, by facets on the half-width."""
+    meshes = [(f"{facets} facets", 1 / facets, float(facets), facets) for facets in FACETS]
     families = [
-        LadderFamily(
-            name=f"points {points}",
-            size="facets",
-            rungs=tuple(
-                Rung(
-                    setting=f"{facets} facets",
-                    size=1 / facets,
-                    work=float(facets),
-                    solve=partial(press, facets, points),
-                )
-                for facets in FACETS
-            ),
-        )
+        ladder(f"points {points}", "facets", meshes, partial(press, points=points))
         for points in ERRORS
     ]
     trials, left_out = climb(families, repeat=3, longest=60.0)

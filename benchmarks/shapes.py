@@ -14,9 +14,10 @@ import sys
 
 import numpy as np
 
-from benchmarks.stability.matrix import StabilityCase, Tables
+from benchmarks.stability.matrix import StabilityCase
 from benchmarks.stability.run import judged
 from benchmarks.stability.table import as_text
+from solver.study.scenes import Tables
 
 LIMIT = 120.0
 """Wall time of a scene, s."""

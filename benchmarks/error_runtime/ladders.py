@@ -7,7 +7,7 @@ tolerance, mesh, degree, contact points, rho_inf and model.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from statistics import median
@@ -19,7 +19,10 @@ from solver.scene.cells import refined
 from solver.scene.checking import nearest, shown
 from solver.types import Array
 
-Solve = Callable[[Scene], "RunOutcome"]
+Solve = Callable[[Any], "RunOutcome"]
+
+Variant = tuple[str, float, float, Any]
+"""What is set, in words; what errors fall with; what it takes; the scene, or what else is run."""
 
 #: Steps of a ladder begin with this times that of the scene, and are halved from there.
 COARSEST_STEP_RATIO = 4.0
@@ -172,26 +175,30 @@ def families(scene: Scene, names: Sequence[str], rungs: int, solve: Solve) -> li
     """
     adaptive, scene = scene, with_step(scene, scene.time.step)
     fewer = max(2, rungs - FEWER)
-    made = [steps("step", scene, rungs, solve)]
+    made = [ladder("step", "step", steps(scene, rungs), solve)]
     meshed = not scene.is_rigid
     elastic = any(block.model == "elastic" for block in scene.blocks)
     if "adaptive" in names and meshed:
-        made.append(_tolerances(adaptive, solve))
+        made.append(ladder("adaptive", "tolerance", _tolerances(adaptive), solve))
     if "mesh" in names and meshed:
-        made.append(meshes("mesh", scene, solve))
+        made.append(ladder("mesh", "cells", meshes(scene), solve))
     if "degree" in names and meshed:
-        made += _other_degree(scene, solve)
+        degree: Literal[1, 2] = 1 if scene.blocks[0].degree == 2 else 2
+        if (changed := _of_degree(scene, degree)) is not None:
+            made.append(ladder(f"degree {degree}", "cells", meshes(changed), solve))
     if "points" in names and elastic:
-        other: Literal["nodes", "gauss"]
-        other = "gauss" if scene.contact.points == "nodes" else "nodes"
-        changed = replace(scene, contact=replace(scene.contact, points=other))
-        made.append(steps(f"points {other}", changed, fewer, solve))
+        points: Literal["nodes", "gauss"] = "gauss" if scene.contact.points == "nodes" else "nodes"
+        changed = replace(scene, contact=replace(scene.contact, points=points))
+        made.append(ladder(f"points {points}", "step", steps(changed, fewer), solve))
     if "rho_inf" in names and (meshed or scene.has_platform or scene.motion is not None):
         for rho in (rho for rho in RHOS if rho != scene.time.rho_inf):
             changed = replace(scene, time=replace(scene.time, rho_inf=rho))
-            made.append(steps(f"rho_inf {rho:g}", changed, fewer, solve))
-    if "model" in names:
-        made += _other_model(scene, fewer, solve)
+            made.append(ladder(f"rho_inf {rho:g}", "step", steps(changed, fewer), solve))
+    known = all(block.young is not None and block.poisson is not None for block in scene.blocks)
+    if "model" in names and (elastic or known):
+        model: Literal["elastic", "rigid"] = "rigid" if elastic else "elastic"
+        changed = replace(scene, blocks=tuple(replace(b, model=model) for b in scene.blocks))
+        made.append(ladder(f"{model} blocks", "step", steps(changed, fewer), solve, own=False))
     return made
 
 
@@ -207,16 +214,22 @@ def coarsest_step(scene: Scene) -> float:
     return min(COARSEST_STEP_RATIO * scene.time.step, scene.time.end)
 
 
-def steps(name: str, scene: Scene, rungs: int, solve: Solve, *, own: bool = True) -> LadderFamily:
-    """A ladder of steps, each half of the one before."""
-    found = []
+def ladder(
+    name: str, size: str, variants: Iterable[Variant], solve: Solve, *, own: bool = True
+) -> LadderFamily:
+    """A family of variants, from the coarsest to the finest; arguments as its own."""
+    rungs = (
+        Rung(setting=setting, size=number, work=work, solve=partial(solve, what))
+        for setting, number, work, what in variants
+    )
+    return LadderFamily(name=name, size=size, rungs=tuple(rungs), own=own)
+
+
+def steps(scene: Scene, rungs: int) -> Iterator[Variant]:
+    """Variants with other steps, each half of the one before."""
     for level in range(rungs):
         step = coarsest_step(scene) / 2**level
-        changed = with_step(scene, step)
-        found.append(Rung(
-            setting=f"step {step:g} s", size=step, work=1 / step, solve=partial(solve, changed)
-        ))  # fmt: skip
-    return LadderFamily(name=name, size="step", rungs=tuple(found), own=own)
+        yield f"step {step:g} s", step, 1 / step, with_step(scene, step)
 
 
 def with_step(scene: Scene, step: float) -> Scene:
@@ -226,38 +239,25 @@ def with_step(scene: Scene, step: float) -> Scene:
     return replace(scene, time=replace(fixed, step=step, smallest=smallest))
 
 
-def _tolerances(scene: Scene, solve: Solve) -> LadderFamily:
-    """A ladder of tolerances of adaptive steps, none longer than those of the ladders of steps."""
-    span, found = replace(scene.time, adaptive=True), []
+def _tolerances(scene: Scene) -> Iterator[Variant]:
+    """Variants with adaptive steps, none longer than those of the ladders of steps."""
+    span = replace(scene.time, adaptive=True)
     largest = max(coarsest_step(scene), span.step)
     for factor in TOLERANCES:
         tolerance = factor * (span.tolerance or math.nan)  # adaptive: it has one
-        changed = replace(scene, time=replace(span, tolerance=tolerance, largest=largest))
-        rung = Rung(
-            setting=f"tolerance {tolerance:g}",
-            size=tolerance,
-            work=factor ** (-1 / 3),  # the error of a step falls with its cube
-            solve=partial(solve, changed),
-        )
-        found.append(rung)
-    return LadderFamily(name="adaptive", size="tolerance", rungs=tuple(found))
+        time = replace(span, tolerance=tolerance, largest=largest)
+        work = factor ** (-1 / 3)  # the error of a step falls with its cube
+        yield f"tolerance {tolerance:g}", tolerance, work, replace(scene, time=time)
 
 
-def meshes(name: str, scene: Scene, solve: Solve) -> LadderFamily:
-    """A ladder of meshes, at the step of the scene."""
-    found, seen = [], []
+def meshes(scene: Scene) -> Iterator[Variant]:
+    """Variants with other meshes, at the step of the scene."""
+    seen = list[Scene]()
     for factor in REFINEMENTS:
         changed = _refined(scene, factor)
-        if changed in seen:  # one cell cannot be halved
-            continue
-        seen.append(changed)
-        found.append(Rung(
-            setting=_cells(changed),
-            size=1 / factor,
-            work=factor**scene.dimension,
-            solve=partial(solve, changed),
-        ))  # fmt: skip
-    return LadderFamily(name=name, size="cells", rungs=tuple(found))
+        if changed not in seen:  # one cell cannot be halved
+            seen.append(changed)
+            yield _cells(changed), 1 / factor, factor**scene.dimension, changed
 
 
 def _cells(scene: Scene) -> str:
@@ -280,25 +280,13 @@ def _refined(scene: Scene, factor: float) -> Scene:
     return replace(scene, blocks=blocks, foundation=scene.foundation.refined(times))
 
 
-def _other_degree(scene: Scene, solve: Solve) -> list[LadderFamily]:
-    """The ladder of meshes with the other degree; none where the scene does not allow it."""
-    other: Literal[1, 2] = 1 if scene.blocks[0].degree == 2 else 2
-    blocks = tuple(replace(block, degree=other) for block in scene.blocks)
+def _of_degree(scene: Scene, degree: Literal[1, 2]) -> Scene | None:
+    """The scene with elements of a degree; None where it does not allow it."""
+    blocks = tuple(replace(block, degree=degree) for block in scene.blocks)
     try:
         foundation: Any = scene.foundation
         if foundation.kind == "elastic":
-            foundation = replace(foundation, degree=other)
-        changed = replace(scene, blocks=blocks, foundation=foundation)
+            foundation = replace(foundation, degree=degree)
+        return replace(scene, blocks=blocks, foundation=foundation)
     except SceneError:
-        return []
-    return [meshes(f"degree {other}", changed, solve)]
-
-
-def _other_model(scene: Scene, rungs: int, solve: Solve) -> list[LadderFamily]:
-    """A ladder of steps with the other model, where the scene says what that one needs."""
-    elastic = any(block.model == "elastic" for block in scene.blocks)
-    other: Literal["elastic", "rigid"] = "rigid" if elastic else "elastic"
-    if other == "elastic" and any(b.young is None or b.poisson is None for b in scene.blocks):
-        return []
-    blocks = tuple(replace(block, model=other) for block in scene.blocks)
-    return [steps(f"{other} blocks", replace(scene, blocks=blocks), rungs, solve, own=False)]
+        return None

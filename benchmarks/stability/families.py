@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from benchmarks.stability.matrix import StabilityCase, StabilityFamily, changed
+from benchmarks.stability.matrix import StabilityCase, StabilityFamily
 from benchmarks.stability.scenes import (
     ASIDE,
     BODIES,
@@ -40,6 +40,7 @@ from benchmarks.stability.scenes import (
     steps,
     tower,
 )
+from solver.study.scenes import changed
 
 ALPHA = math.degrees(math.atan2(0.25, 1.0))
 """Slenderness of the paper's block, degrees."""

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from random import Random
 from typing import Any
 
-from benchmarks.stability.matrix import StabilityCase, Tables
+from benchmarks.stability.matrix import StabilityCase
+from solver.study.scenes import Tables
 
 CELL_STEPS = 20000
 """Cells times steps of a scene: what keeps it short."""

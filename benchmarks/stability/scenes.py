@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from benchmarks.stability.matrix import Changes, Tables
+from solver.study.scenes import Changes, Tables
 
 Grid = dict[str, Changes]
 

@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from benchmarks.stability.matrix import Place, StabilityCase, Tables
+from benchmarks.stability.matrix import Place, StabilityCase
 from solver.errors import SceneError
 from solver.reference.answer import reference_history
 from solver.scene import BlockSpec, Scene, parse_scene
 from solver.stepping.ledger import BEYOND_LAW
+from solver.study.scenes import Tables
 
 if TYPE_CHECKING:
     from solver.run.simulate import Result

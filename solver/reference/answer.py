@@ -120,18 +120,29 @@ def _pivots_on_platform(scene: Scene) -> bool:
     return resistance(scene).holds(down, slipped=False) > down * farthest
 
 
+def refuse_joined(scene: Scene, where: str) -> None:
+    """Refuse links and forces: SceneError; `where` follows what is allowed."""
+    for key, members in (("link", scene.links), ("force", scene.forces)):
+        if members:
+            raise SceneError(key, members[0].name, f"none {where}")
+
+
+def refuse_several(scene: Scene, where: str) -> None:
+    """Refuse what is not one block in the plane, by itself, that stands: SceneError."""
+    block = scene.blocks[0]
+    if scene.dimension != 2:
+        raise SceneError("dimension", "3", f"2 {where}")
+    if len(scene.blocks) != 1:
+        raise SceneError("block", f"{len(scene.blocks)} blocks", f"one block {where}")
+    refuse_joined(scene, where)
+    if block.position is not None:
+        raise SceneError(f"{block.name}.position", shown(block.position), f"offset {where}")
+
+
 def _refuse(scene: Scene, ground: GroundMotion) -> None:
     """Refuse a scene that no reference answers, in one line."""
     block = scene.blocks[0]
-    if scene.dimension != 2:
-        raise SceneError("dimension", "3", f"2 {ONLY}")
-    if len(scene.blocks) != 1:
-        raise SceneError("block", f"{len(scene.blocks)} blocks", f"one block {ONLY}")
-    for key, members in (("link", scene.links), ("force", scene.forces)):
-        if members:
-            raise SceneError(key, members[0].name, f"none {ONLY}")
-    if block.position is not None:
-        raise SceneError(f"{block.name}.position", shown(block.position), f"offset {ONLY}")
+    refuse_several(scene, ONLY)
     if scene.gravity == 0:
         raise SceneError("gravity", "0", f"gravity > 0 {ONLY}")
     if scene.carrier_moves and not scene.has_platform:

@@ -70,24 +70,6 @@ class RockingReference:
     overturned: bool
 
 
-def housner_restitution(shape: Block, side: int = 0) -> float:
-    """Ratio of angular velocities across an impact, e = 1 - 3/2 sin^2 alpha (Housner 1963).
-
-    Of an uneven block, at an impact on the edge of a side; see `Block.restitution`.
-    """
-    return shape.restitution(side)
-
-
-def restitution_on_platform(shape: Block, platform_mass: float, side: int = 0) -> float:
-    """Ratio of angular velocities across an impact without rebound, on a platform that is free.
-
-    [h^2 (4/3 - kappa) - (2/3) b^2]/[h^2 (4/3 - kappa) + (4/3) b^2], b and h half of width and
-    height: the angular momentum about the new corner and the horizontal momentum stay. Housner's
-    ratio for a heavy platform.
-    """
-    return shape.restitution(side, shape.mass / (shape.mass + platform_mass))
-
-
 def housner(
     shape: Block,
     *,

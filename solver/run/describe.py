@@ -22,7 +22,6 @@ from solver.excitation.spectrum import (
     response_spectrum,
     significant_duration,
 )
-from solver.reference.housner import housner_restitution, restitution_on_platform
 from solver.reference.initiation import expected_mode, has_expected_mode
 from solver.results.cautions import cautions_of_scene, percent
 from solver.scene import BlockSpec, Scene
@@ -202,11 +201,11 @@ def _rocking(block: BlockSpec, shape: Block, scene: Scene, axis: str) -> Lines:
 
 def _restitution(block: BlockSpec, shape: Block, scene: Scene, side: int) -> str:
     """Part of its angular velocity that a rigid block keeps at an impact, and the source of it."""
-    ratio, source = housner_restitution(shape, side), "Housner 1963"
+    ratio, source = shape.restitution(side), "Housner 1963"
     if not shape.is_even:
         source = "angular momentum about that edge" if side else "angular momentum about the edge"
     if scene.has_platform and len(scene.blocks) == 1:
-        ratio = restitution_on_platform(shape, scene.platform().mass, side)
+        ratio = shape.restitution(side, shape.mass / (shape.mass + scene.platform().mass))
         number = "R8" if shape.is_even else "R10"
         source = f"on a platform of this mass, ({number}) of docs/reference.md"
     elif not _on_firm_ground(block, scene):

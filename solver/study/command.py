@@ -86,16 +86,11 @@ def _damping(parser: argparse.ArgumentParser) -> None:
         "damped_steps, beta, contact, young, floor; default all",
     )  # fmt: skip
     add(
-        "--at", metavar="NAME=V1,V2,...", nargs="+", action="extend", default=[],
-        help="repeat all of it with each of these values, such as mesh=1,2",
-    )  # fmt: skip
-    add(
         "--target", metavar="WHAT",
         help="find the damping instead: restitution=0.936, or history=FILE (time, angle)",
     )  # fmt: skip
     add("--impacts", type=int, default=4, metavar="N", help="that count, default %(default)s")
     add("--block", metavar="NAME", help="whose impacts count; default the first with a mesh")
-    add("--histories", action="store_true", help="run to the scene's end and draw the angles, too")
     _add_keeping(parser, "damping")
 
 
@@ -161,10 +156,6 @@ def _inertia(parser: argparse.ArgumentParser) -> None:
         help="besides a block that slides: rigid blocks, finite elements",
     )  # fmt: skip
     _add_motions(parser, 300)
-    add(
-        "--within", type=float, metavar="W",
-        help="stop at fewer motions once all intervals of 90 %% are within +-W, such as 0.05",
-    )  # fmt: skip
     _add_keeping(parser, "inertia")
 
 
@@ -194,7 +185,6 @@ def _overturning(parser: argparse.ArgumentParser) -> None:
     add("--restitution", metavar="E,...", help="of rigid blocks; default the scene's, or Housner's")
     add("--rounds", type=int, default=2, metavar="N",
         help="how often frequencies are added where intervals begin or end; default 2")  # fmt: skip
-    add("--ode", metavar="OMEGA/P", help="frequencies at which Housner's equation is solved, too")
     add("--elastic", metavar="OMEGA/P", help="frequencies at which the elastic block is run, too")
     _add_keeping(parser, "overturning")
 

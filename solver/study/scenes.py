@@ -8,11 +8,17 @@ from copy import deepcopy
 from typing import Any
 
 from solver.errors import SceneError, not_applicable
+from solver.reference.answer import refuse_several
 from solver.scene import Scene, parse_scene, read_text, set_values
 from solver.scene.reader import read_toml
 
 Tables = dict[str, Any]
 """A scene as plain tables."""
+
+HERE = "in this study"
+
+Changes = Mapping[str, Any]
+"""Values of a scene by the dotted names of their keys; None takes a key away."""
 
 
 def scene_tables(options: argparse.Namespace) -> Tables:
@@ -21,6 +27,34 @@ def scene_tables(options: argparse.Namespace) -> Tables:
     tables = read_toml(read_text(path), path.name)
     set_values(tables, options.overrides)
     return tables
+
+
+def changed(tables: Mapping[str, Any], changes: Changes) -> Tables:
+    """A scene with other values: as `--set` has them.
+
+    Where no block is called so, `block.KEY` is that of all blocks.
+    """
+    new = deepcopy(dict(tables))
+    for path, value in changes.items():
+        *parents, key = path.split(".")
+        for table in _meant(new, parents):
+            if value is None:
+                table.pop(key, None)
+            else:
+                table[key] = deepcopy(value)
+    return new
+
+
+def _meant(tables: Tables, parents: list[str]) -> list[Tables]:
+    """The tables at a path: of the block of that name, of all blocks, or below the scene."""
+    named = {entry.get("name", "block"): [entry] for entry in tables["block"]}
+    found = [tables]
+    if parents and parents[0] in ("block", *named):
+        found = named.get(parents[0], tables["block"])
+        parents = parents[1:]
+    for parent in parents:
+        found = [table.setdefault(parent, {}) for table in found]
+    return found
 
 
 def with_model(tables: Mapping[str, Any], engine: str | None) -> Tables:
@@ -72,12 +106,10 @@ def variant(
         time: `[time]` in place of its own.
         keys: Of the block.
     """
-    made = with_model(tables, model)
-    (block,) = made["block"]
-    made["block"] = [{key: value for key, value in (block | keys).items() if value is not None}]
+    changes: dict[str, Any] = {f"block.{key}": value for key, value in keys.items()}
     if time is not None:
-        made["time"] = time
-    return parse_scene(made)
+        changes["time"] = time
+    return parse_scene(changed(with_model(tables, model), changes))
 
 
 def is_elastic(tables: Tables) -> bool:
@@ -94,28 +126,15 @@ def refuse_uneven(scene: Scene, what: str) -> None:
                 raise SceneError(f"{block.name}.{key}", "an uneven block", f"none {what}")
 
 
-def refuse_joined(scene: Scene) -> None:
-    """Refuse links and forces: SceneError."""
-    for key, members in (("link", scene.links), ("force", scene.forces)):
-        if members:
-            raise SceneError(key, members[0].name, "none in this study")
-
-
 def refuse_others(scene: Scene) -> None:
     """Refuse what is not one upright block at rest on firm ground in the plane: SceneError."""
-    if scene.dimension != 2:
-        raise SceneError("dimension", "3", "2 in this study")
-    if len(scene.blocks) != 1:
-        raise SceneError("block", f"{len(scene.blocks)} blocks", "one block in this study")
+    refuse_several(scene, HERE)
     block = scene.blocks[0]
     if scene.carrier_moves or scene.foundation.top is not None:
-        raise not_applicable("foundation", "blocks on level, firm ground in this study")
+        raise not_applicable("foundation", f"blocks on level, firm ground {HERE}")
     if scene.gravity <= 0 or scene.gravity_vector[0] != 0:
-        raise SceneError("gravity", "an incline, or none", "vertical gravity > 0 in this study")
-    if block.position is not None:
-        raise SceneError(f"{block.name}.position", "a place in the air", "offset in this study")
-    refuse_joined(scene)
+        raise SceneError("gravity", "an incline, or none", f"vertical gravity > 0 {HERE}")
     if scene.pairs:
-        raise SceneError("pair", scene.pairs[0].where, f"keys of {block.name} in this study")
+        raise SceneError("pair", scene.pairs[0].where, f"keys of {block.name} {HERE}")
     if block.tilt or any(block.velocity) or block.angular_velocity:
-        raise SceneError(block.name, "a block that is tilted or moves", "one at rest in this study")
+        raise SceneError(block.name, "a block that is tilted or moves", f"one at rest {HERE}")

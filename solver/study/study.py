@@ -6,7 +6,8 @@ A study is a subclass of `Study` in `solver/study/NAME/cases.py`:
 - `__init__(options)` reads the command line, refuses all that can be refused, and sets `settings`
   (what a study that is resumed must have in common with the earlier one) and `wanted` (its cases);
 - a case is a frozen dataclass with a `name`, its own in the study, and `run()`, which returns its
-  row: a mapping that JSON can hold, with "status" and "reason". Cases run in other processes;
+  row: a mapping that JSON can hold, with "status" and "reason" unless it completed. Cases run in
+  other processes;
 - `rounds()` is overridden where the cases of one round follow from the rows of the rounds before;
 - `keep(case, row)` is overridden where a row has parts that go into files of their own;
 - `write()` leaves (`leave`) and draws (`draw`) what `completed` (or `ordered`) rows say, and
@@ -50,6 +51,9 @@ SETTINGS, CASES, SUMMARY = "settings.json", "cases", "summary.json"
 ENDINGS = ("csv", "txt", "md", "png")
 """Endings of the files that have the name of a study."""
 
+FORMAT = 2
+"""Number of the format of the rows that are kept; studies of another one are not gone on with."""
+
 HELD = "held"
 """Key of the settings for what a study that is resumed is compared with."""
 
@@ -70,7 +74,8 @@ class Study(ABC, Generic[Case]):
     """A study of one command line.
 
     Class attributes:
-        kind: The name of its command, of its table, and the ending of its folder.
+        kind: The name of its command, and the ending of its folder.
+        table: The name of its table and text; "": the kind.
         noun: What it is, for errors.
         same: What a study that is resumed must have in common with the earlier one, in words.
         files: Names or patterns of what it leaves besides the settings, the summary, and files of
@@ -87,6 +92,7 @@ class Study(ABC, Generic[Case]):
     """
 
     kind: ClassVar[str]
+    table: ClassVar[str] = ""
     noun: ClassVar[str]
     same: ClassVar[str]
     files: ClassVar[tuple[str, ...]] = ()
@@ -114,8 +120,8 @@ class Study(ABC, Generic[Case]):
         yield self.wanted
 
     def key(self, case: Case) -> str:
-        """The key of the row of a case, and the name of its file."""
-        return case.name
+        """The key of the row of a case, and the name of its file: its name, if it has no other."""
+        return str(getattr(case, "key", case.name))
 
     def keep(self, case: Case, row: Row) -> Row:
         """Keep the row of a case in the folder; returns it."""
@@ -149,9 +155,9 @@ class Study(ABC, Generic[Case]):
         """
         if names is None:  # a case that failed has few
             names = column_names(sorted(table, key=len, reverse=True))
-        ending = "md" if text.startswith("# ") else "txt"
-        write(self.folder / f"{self.kind}.csv", as_csv(table, names, digits))
-        write(self.folder / f"{self.kind}.{ending}", text)
+        own = self.folder / (self.table or self.kind)
+        write(own.with_suffix(".csv"), as_csv(table, names, digits))
+        write(own.with_suffix(".md" if text.startswith("# ") else ".txt"), text)
         write(self.folder / SUMMARY, summary)
 
     def draw(self, name: str, picture: Callable[..., Figure], *told: Any) -> None:
@@ -234,7 +240,7 @@ class Study(ABC, Generic[Case]):
     def claimed(self) -> Self:
         """The study itself, which has made its folder, or refused to write over what is there."""
         options, folder = self.options, self.folder
-        settings = {"version": VERSION, **self.settings}
+        settings = {"version": VERSION, "format": FORMAT, **self.settings}
         held = json.loads(json.dumps(with_digests(settings)))
         allowed = "an empty folder, --force, or --resume"
         if folder.exists() and options.scene.resolve().parent == folder.resolve():
@@ -280,8 +286,8 @@ class Study(ABC, Generic[Case]):
 
 
 def _run(case: StudyCase) -> Row:
-    """Run a case, in another process."""
-    return case.run()
+    """Run a case, in another process; it completed unless its row says something else."""
+    return {"status": "completed", "reason": ""} | case.run()
 
 
 def read_mapping(file: Path) -> Row:

@@ -7,7 +7,7 @@ import io
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from solver.results.summary import write_json, write_whole
 
@@ -15,6 +15,37 @@ Row = Mapping[str, Any]
 
 Member = TypeVar("Member")
 Key = TypeVar("Key")
+
+
+class Column(NamedTuple):
+    """A column of a table in words."""
+
+    key: str
+    heading: str
+    form: str = ""
+    """Format of numbers; values as they are where there is none."""
+    factor: float = 1.0
+    """That numbers are multiplied by."""
+    least: float = 0.0
+    """Magnitudes up to this are round-off."""
+    unknown: str = "-"
+    """Word for what is not known."""
+
+    def word(self, row: Row) -> str:
+        """The value of a row."""
+        value = row.get(self.key)
+        if value is None:
+            return self.unknown
+        if not self.form:
+            return str(value)
+        shown = self.factor * value
+        return format(shown if abs(shown) > self.least else 0.0, self.form)
+
+
+def in_words(rows: Iterable[Row], columns: Sequence[Column]) -> list[list[str]]:
+    """The headings of columns, then rows as words; what is missing or None is not known."""
+    heading = [column.heading for column in columns]
+    return [heading, *([column.word(row) for column in columns] for row in rows)]
 
 
 def in_columns(table: Sequence[Sequence[str]], left: int = 1) -> list[str]:
@@ -36,9 +67,12 @@ def in_columns(table: Sequence[Sequence[str]], left: int = 1) -> list[str]:
 
 
 def in_markdown(table: Sequence[Sequence[str]]) -> list[str]:
-    """Lines of a table of words in Markdown; the first row is the heading."""
+    """Lines of a table of words in Markdown, in columns; the first row is the heading."""
+    widths = [max(3, *map(len, column)) for column in zip(*table, strict=True)]
     heading, *rows = table
-    return [f"| {' | '.join(row)} |" for row in (heading, ["---"] * len(heading), *rows)]
+    lines = (heading, ["-" * width for width in widths], *rows)
+    padded = ([w.ljust(n) for w, n in zip(line, widths, strict=True)] for line in lines)
+    return [f"| {' | '.join(line)} |" for line in padded]
 
 
 def groups(rows: Iterable[Member], key: Callable[[Member], Key]) -> dict[Key, list[Member]]:

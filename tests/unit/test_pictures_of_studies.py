@@ -41,9 +41,8 @@ def of_inertia(period: float, friction: float, found: tuple[float, float, float]
             values=(("period", period), ("friction", friction)), structure=structure,
             friction=friction, aspect=None,
         ),
-        by=SLIDING, motions=4, arithmetic=portion, geometric=portion, insensitive=False,
-        drift=0.01, drift_over_fixed=0.9, drift_over_bare=1.4, shear_over_fixed=0.8,
-        shear_over_bare=1.6,
+        by=SLIDING, motions=4, arithmetic=portion, geometric=portion,
+        means={},
     )  # fmt: skip
 
 
@@ -126,11 +125,11 @@ def test_the_band_of_a_limit_is_as_wide_as_its_uncertainty() -> None:
     from solver.study.damping.picture import restitution_picture
 
     line = DampingLine(
-        axis=AXES["step"], at=None, values=(1e-3, 5e-4),
+        axis=AXES["step"], values=(1e-3, 5e-4),
         found=(Restitution((0.90, 0.95), 2), Restitution((0.91, 0.93), 2)),
-        limit=Limit(value=0.92, uncertainty=0.004, source="reached"), limits=(),
+        limit=Limit(value=0.92, uncertainty=0.004, source="reached"),
     )  # fmt: skip
-    (axes,) = restitution_picture([line], None, None).axes
+    (axes,) = restitution_picture([line], None).axes
     assert vertical_reach(axes, "limit") == pytest.approx((0.916, 0.924))
     assert bars(axes) == [pytest.approx((0.90, 0.95)), pytest.approx((0.91, 0.93))]
 

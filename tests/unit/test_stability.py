@@ -16,7 +16,7 @@ import pytest
 from numpy.typing import NDArray
 
 from benchmarks.stability.families import FAMILIES, matrix
-from benchmarks.stability.matrix import StabilityCase, changed
+from benchmarks.stability.matrix import StabilityCase
 from benchmarks.stability.sampler import draw
 from benchmarks.stability.scenes import ROCK, STACK
 from benchmarks.stability.table import as_csv, as_text, sentence
@@ -27,6 +27,7 @@ from solver.errors import SceneError
 from solver.excitation.motion import read_ground
 from solver.scene import limits
 from solver.stepping.ledger import BEYOND_LAW
+from solver.study.scenes import changed
 
 pytestmark = pytest.mark.serial
 

@@ -16,7 +16,7 @@ from rockslip import load_scene
 from solver.cli import main
 from solver.errors import SceneError
 from solver.study.inertia.cells import RATIO, TOP, cells_of, chosen, ladder
-from solver.study.inertia.numbers import Curve, grid, portions, resampled
+from solver.study.inertia.numbers import Curve, grid, portions
 
 pytestmark = pytest.mark.serial
 
@@ -56,7 +56,7 @@ def test_portions_of_a_straight_curve() -> None:
     drifts = np.tile(1 + grid(), (5, 1))
     targets = np.tile([2.0, 1.25, 0.9, 3.0], (5, 1))
     for geometric in (False, True):
-        found = portions(drifts, targets, resampled(5), geometric=geometric)
+        found = portions(drifts, targets, geometric=geometric)
         values = [portion.value for portion in found]
         assert values[:3] == pytest.approx([1.0, 0.25, -0.1], abs=1e-4)
         assert values[3] is None
@@ -70,9 +70,7 @@ def test_the_interval_is_that_of_the_mean() -> None:
     count = 200
     targets = np.random.default_rng(1).normal(0.6, 0.2, count)
     drifts = np.tile(np.where(grid() > 0, grid(), 0.0), (count, 1))
-    (_, portion) = portions(
-        drifts, np.stack([np.ones(count), targets], axis=1), resampled(count), geometric=False
-    )
+    (_, portion) = portions(drifts, np.stack([np.ones(count), targets], axis=1), geometric=False)
     error = 1.645 * targets.std() / math.sqrt(count)
     assert portion.value == pytest.approx(targets.mean(), abs=1e-6)
     assert portion.low == pytest.approx(targets.mean() - error, abs=0.15 * error)
@@ -81,7 +79,7 @@ def test_the_interval_is_that_of_the_mean() -> None:
 
 def test_a_load_that_changes_nothing_has_no_portion() -> None:
     drifts = np.tile(1 + 1e-3 * grid(), (5, 1))
-    (portion,) = portions(drifts, np.ones((5, 1)), resampled(5), geometric=False)
+    (portion,) = portions(drifts, np.ones((5, 1)), geometric=False)
     assert (portion.value, portion.roots) == (None, ())
 
 
@@ -117,7 +115,6 @@ def test_cells_are_all_combinations() -> None:
         (["--of", "friction=0.1", "friction_over_pga=1"], "one of them"),
         (["--of", "aspect=1"], "sliding has no height"),
         (["--by", "elements"], "at most 12"),
-        (["--within", "2"], "0 < W < 1"),
         (["-j", "0"], "a whole number > 0"),
         (["--set", "contact.friction.static=0.2", "contact.friction.decay=1"], "contact.friction"),
         (["--set", "foundation={kind='rigid'}"], "foundation.kind"),
@@ -213,15 +210,6 @@ def test_it_goes_on_with_what_is_missing(folder: Path, tmp_path: Path) -> None:
     times = {file: file.stat().st_mtime_ns for file in (again / "cases").iterdir()}
     assert main([*command, *smaller]) == 0
     assert {file: file.stat().st_mtime_ns for file in (again / "cases").iterdir()} == times
-
-
-@pytest.mark.slow
-def test_as_many_motions_as_an_interval_needs(tmp_path: Path) -> None:
-    """Without slip the first round is enough; --count is the most."""
-    words = ["--of", "friction=1.5", "--within", "0.05", "--count", "50", "-q", "-j", "1"]
-    assert main(["study", "inertia", str(SCENE), "-o", str(tmp_path / "out"), *words]) == 0
-    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
-    assert summary["motions"] == 30
 
 
 @pytest.mark.slow

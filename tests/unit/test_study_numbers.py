@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
@@ -13,9 +12,7 @@ import pytest
 from scenes import BLOCK
 
 from rockslip import parse_scene
-from solver.scene import Scene
-from solver.scene.foundation import PlateSpec
-from solver.study.damping.axes import AXES, Axis, BaseScene, Sweep, SweptValue, watched
+from solver.study.damping.axes import AXES, Axis, DampingCase, SweptValue
 from solver.study.damping.calibration import measured_peaks
 from solver.study.damping.numbers import limit, lines
 from solver.study.horizon.numbers import as_text as horizons_as_text
@@ -23,7 +20,7 @@ from solver.study.horizon.numbers import growth
 from solver.study.inertia import cases as inertia
 from solver.study.inertia.cases import BlockCase, SlidingCase
 from solver.study.inertia.cells import Cell, Structure
-from solver.study.inertia.numbers import SLIDING, Curve, Finding, Line, Portion, grid, resampled
+from solver.study.inertia.numbers import SLIDING, Curve, Finding, Line, Portion, grid
 from solver.study.inertia.numbers import differences as inertia_differences
 from solver.study.modes.numbers import maps_of
 from solver.study.overturning.boundaries import DIRECTLY, STAYS
@@ -52,8 +49,7 @@ def portion(value: float | None) -> Portion:
 def finding(friction: float, by: str, value: float | None, drift: float = 0.01) -> Finding:
     return Finding(
         cell=cell(friction), by=by, motions=4, arithmetic=portion(value), geometric=portion(value),
-        insensitive=False, drift=drift, drift_over_fixed=0.9, drift_over_bare=1.4,
-        shear_over_fixed=0.8, shear_over_bare=1.6,
+        means={"mean_peak_drift_m": drift},
     )  # fmt: skip
 
 
@@ -74,7 +70,6 @@ def test_an_engine_that_differs_from_the_sliding_block_has_its_own_portion() -> 
         drifts=size[:, None] * (1 + grid()),
         peaks=np.stack([fixed, slides], axis=1),
         bare=np.stack([size, [0.5, 1.0, 9.0, 0.0]], axis=1),
-        weights=resampled(4),
     )
     fell = (0.0, 1.0, 0.0, 0.0)
     outcomes = [None if k == 2 else [1.25 * c, 2.0, 0.2, 0.1, fell[k]] for k, c in enumerate(size)]
@@ -82,11 +77,11 @@ def test_an_engine_that_differs_from_the_sliding_block_has_its_own_portion() -> 
     assert (found.motions, found.overturned) == (3, 1)
     assert found.arithmetic.value == pytest.approx(0.25, abs=1e-6)
     assert found.geometric.value == pytest.approx(0.25, abs=1e-4)
-    assert found.drift == pytest.approx(1.25 * (1 + 2 + 3) / 3)
-    assert found.drift_over_fixed == pytest.approx(1.25 / 2)
-    assert found.drift_over_bare == pytest.approx(1.25)
-    assert found.shear_over_fixed == pytest.approx(2.0 / ((1 + 2 + 6) / 3))
-    assert found.shear_over_bare == pytest.approx(2.0 / ((0.5 + 1 + 0) / 3))
+    assert found.means["mean_peak_drift_m"] == pytest.approx(1.25 * (1 + 2 + 3) / 3)
+    assert found.means["drift_over_fixed"] == pytest.approx(1.25 / 2)
+    assert found.means["drift_over_bare"] == pytest.approx(1.25)
+    assert found.means["base_shear_over_fixed"] == pytest.approx(2.0 / ((1 + 2 + 6) / 3))
+    assert found.means["base_shear_over_bare"] == pytest.approx(2.0 / ((0.5 + 1 + 0) / 3))
 
 
 @pytest.mark.parametrize("dynamic", [1.0, 0.5])
@@ -163,12 +158,13 @@ def test_differences_that_grow_exponentially_have_their_rate() -> None:
     """Twins whose horizons are t0 - ln(delta)/lambda; one that has none does not count."""
     rate = 4.0
     twins: list[dict[str, Any]] = [
-        {"perturbation": d, "horizon_s": 0.3 - math.log(d) / rate, "largest": 1.0}
+        {"perturbation": d, "horizon_s": 0.3 - math.log(d) / rate, "largest_difference": 1.0}
         for d in (1e-10, 1e-8, 1e-5)
     ]
-    twins.append({"perturbation": 1e-14, "horizon_s": None, "largest": 1e-9})
+    twins.append({"perturbation": 1e-14, "horizon_s": None, "largest_difference": 1e-9})
     row = {
-        "engine": "rigid", "scale": 1.0, "end_s": 9.0, "peak": 0.5, "overturned": False,
+        "engine": "rigid", "scale": 1.0, "end_s": 9.0, "peak_angle_over_alpha": 0.5,
+        "overturned": False,
         "twins": twins,
     }  # fmt: skip
     assert growth(row) == pytest.approx(4.0)
@@ -221,47 +217,23 @@ def test_a_boundary_of_overturning_is_compared_with_the_rigid_one(
         row | {"engine": "rigid", "boundaries": [
             edge | {"amplitude": 1.0}, other | {"amplitude": amplitude}, edge | {"amplitude": 3.0}
         ]},
-        row | {"engine": "ode", "boundaries": [edge | {"amplitude": amplitude}]},
+        row | {"engine": "elastic", "restitution": None, "boundaries": [
+            edge | {"amplitude": amplitude}
+        ]},
     ]  # fmt: skip
     edges = boundary_rows(rows, 0.9)
     assert edges[-1]["rigid_amplitude"] == 1.0
     assert edges[-1]["difference"] == pytest.approx(difference)
-    assert differences(edges) == {"ode": pytest.approx(abs(difference))}
+    assert differences(edges) == {"elastic": pytest.approx(abs(difference))}
 
 
 # --- damping
 
-GRANITE = BLOCK.replace('"', "'") + "\ncells = [5, 20]\n"
 
-
-def put(name: str, value: float, text: str) -> Scene:
-    """A scene in which an axis has a value."""
-    scene = parse_scene(text)
-    base = BaseScene(tables=tomllib.loads(text), scene=scene, block=watched(scene, None), end=1.0)
-    return base.case((AXES[name], value)).scene
-
-
-def test_a_floor_that_is_put_in_has_the_cells_of_the_block() -> None:
-    """Four widths and twice the offset wide, one width high."""
-    text = GRANITE + "tilt_deg = 3.0\noffset = -0.25\n[time]\nend = 1.0\n"
-    floor = put("floor", 3.0, text).foundation
-    assert isinstance(floor, PlateSpec)
-    assert (floor.width, floor.height) == pytest.approx((4 * 0.25 + 2 * 0.25, 0.25))
-    assert tuple(floor.cells) == (30, 5)  # of 0.05 m
-
-
-def test_a_floor_that_is_put_in_under_a_block_in_space_has_its_cells() -> None:
-    text = "dimension = 3\n" + GRANITE.replace("[5, 20]", "[5, 3, 20]")
-    text += "tilt_deg = 3.0\noffset = 0.25\noffset_second = 0.5\n[time]\nend = 1.0\n"
-    floor = put("floor", 3.0, text).foundation
-    assert isinstance(floor, PlateSpec)
-    assert (floor.width, floor.thickness) == pytest.approx((1.5, 4 * 0.75 + 2 * 0.5))
-    assert tuple(floor.cells) == (30, 16, 5)
-
-
-def rows_of(axis: Axis, found: dict[float, float]) -> tuple[Sweep, dict[str, Any]]:
-    """A sweep and its rows: two impacts of one restitution at each value."""
-    values = tuple(SweptValue(axis=axis, value=v, at=None, case=f"{v:g}") for v in found)
+def rows_of(axis: Axis, found: dict[float, float]) -> tuple[list[SweptValue], dict[str, Any]]:
+    """The values of an axis and their rows: two impacts of one restitution at each value."""
+    scene = parse_scene(BLOCK + "\n[time]\nend = 1.0\n")
+    cases = {v: DampingCase(key=f"{v:g}", name="", scene=scene, block="block") for v in found}
     rows = {
         f"{value:g}": {
             "status": "completed",
@@ -270,7 +242,7 @@ def rows_of(axis: Axis, found: dict[float, float]) -> tuple[Sweep, dict[str, Any
         }
         for value, e in found.items()
     }
-    return Sweep(base="", values=values, at=None, cases=(), left_out=()), rows
+    return [SweptValue(axis, value, case) for value, case in cases.items()], rows
 
 
 @pytest.mark.parametrize("name", ["mesh", "step"])

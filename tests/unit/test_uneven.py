@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from overturning import housner_fate
 
 from geometry.block import SIDES, Block
 from geometry.density import LinearDensity, Part, PartedDensity, share_in_box
@@ -30,12 +31,7 @@ from solver.scene import scene_to_toml
 from solver.scene.scaling import Scale, scaled_tables
 from solver.study.damping.calibration import speed_at_impact
 from solver.study.inertia.cells import cells_of, tables_of
-from solver.study.overturning.blocks import (
-    PULSES,
-    RigidUnderPulses,
-    Upright,
-    housner_fate,
-)
+from solver.study.overturning.blocks import PULSES, RigidUnderPulses, Upright
 
 G = 9.81
 
@@ -328,10 +324,8 @@ def test_the_study_of_inertia_takes_even_blocks_where_they_change() -> None:
     tables = given.to_dict()
     cell = cells_of(given, {})[0]
     assert tables_of(tables, cell, "rigid")["block"][0]["centre_of_mass"] == [0.02, 0.55]
-    from dataclasses import replace
-
     with pytest.raises(SceneError, match="an uneven block"):
-        tables_of(tables, replace(cell, aspect=3.0), "rigid")
+        tables_of(tables, cell._replace(aspect=3.0), "rigid")
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

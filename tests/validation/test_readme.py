@@ -110,7 +110,7 @@ def reason_not_to_run(words: list[str]) -> str:
         return "a synopsis"
     if words[:3] == ["rockslip", "study", "stability"] and "--random" not in words:
         return "takes minutes to an hour; tests/unit/test_stability.py runs single scenes"
-    if words[:3] == ["rockslip", "study", "damping"] and "--histories" not in words:
+    if words[:3] == ["rockslip", "study", "damping"] and "floor" not in words:
         return "dozens of runs; tests/verification/test_study_damping.py has shorter ones"
     return ""
 
@@ -149,11 +149,11 @@ def shortened(words: list[str]) -> list[str]:
         more = (*TINY_STUDY, "-j", "1", *(("--count", "1") if synthetic else ()))
         more += () if "--resume" in words else ("--force",)
     elif task == "study inertia":
-        for option in ("--count", "--within"):
-            if option in words:
-                at = words.index(option)
-                words = [*words[:at], *words[at + 2 :]]
-        more = (*TINY_STUDY, "--motions", "a.AT2", "-j", "1", "--force")
+        if "--count" in words:
+            at = words.index("--count")
+            words = [*words[:at], *words[at + 2 :]]
+        more = (*TINY_STUDY, "--motions", "a.AT2", "-j", "1")
+        more += () if "--resume" in words else ("--force",)
     elif task == "study error-runtime":
         more = (*TINY_STUDY, "--rungs", "2", "--repeat", "1", "--force")
     elif task == "study stability":
@@ -164,9 +164,8 @@ def shortened(words: list[str]) -> list[str]:
         more = ("--points", "2", "--engines", "rigid", "-j", "1", "--force")
     elif task == "study overturning":
         tiny = ("--frequencies", "4", "--amplitudes", "2:4:3", "--rounds", "0", "-j", "1")
-        cut = {"--ode", "--elastic"} & set(words)
-        for option in cut:
-            at = words.index(option)
+        if "--elastic" in words:
+            at = words.index("--elastic")
             words = [*words[:at], *words[at + 2 :]]
         more = (*tiny, *(() if "--resume" in words else ("--force",)))
     elif task == "study horizon":

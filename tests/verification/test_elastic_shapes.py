@@ -21,7 +21,7 @@ from processes import runs_on_two_ranks
 from rockslip import History, Result, Scene, load_scene, parse_scene, simulate
 from solver.cli import main
 from solver.errors import RockslipError, SceneError
-from solver.reference.housner import housner, housner_restitution
+from solver.reference.housner import housner
 
 pytest.importorskip("dolfinx")
 
@@ -132,7 +132,7 @@ def test_a_trapezoid_rocks_as_the_rigid_one(tilt: float) -> None:
     (first, second, *_) = result.summary["blocks"]["block"]["impacts"]
     assert first["time_s"] == pytest.approx(exact.impacts[0], rel=1e-3)
     assert first["time_s"] == pytest.approx(impacts(rigid)[0], rel=2e-3)
-    own, plastic = first["restitution"], housner_restitution(shape, -1 if tilt > 0 else 1)
+    own, plastic = first["restitution"], shape.restitution(-1 if tilt > 0 else 1)
     assert plastic - 0.01 < own < plastic + 0.08
     after = housner(shape, gravity=G, tilt=math.radians(tilt), end=0.8, step=1e-3, restitution=own)
     assert second["time_s"] == pytest.approx(after.impacts[1], rel=1.5e-2)

@@ -136,8 +136,9 @@ def test_a_twin_is_solved_as_the_run_is(monkeypatch: pytest.MonkeyPatch) -> None
 
 @pytest.mark.parametrize(("peak", "said"), [(0.0, True), (0.3, False)])
 def test_a_study_in_which_nothing_rocks_says_so(peak: float, said: bool) -> None:
-    twin = {"perturbation": 1e-6, "horizon_s": None, "largest": 0.0}
-    run = {"engine": "rigid", "scale": 1.0, "end_s": 5.0, "peak": peak, "overturned": False}
+    twin = {"perturbation": 1e-6, "horizon_s": None, "largest_difference": 0.0}
+    run = {"engine": "rigid", "scale": 1.0, "end_s": 5.0, "overturned": False}
+    run["peak_angle_over_alpha"] = peak
     assert ("no block leaves the ground" in as_text([run | {"twins": [twin]}])) == said
 
 

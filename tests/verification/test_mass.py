@@ -19,7 +19,7 @@ from geometry.block import SIDES, Block
 from rockslip import Scene, parse_scene, simulate
 from solver.history.pairs import read_pairs
 from solver.reference.answer import reference_history
-from solver.reference.housner import housner, housner_restitution
+from solver.reference.housner import housner
 from solver.results.motion import boxes
 
 G = 9.81
@@ -97,7 +97,7 @@ def test_free_rocking_is_that_of_the_equation(tilt: float, dimension: int) -> No
     assert len(impacts) >= len(exact.impacts) - 1
     right = ("right", "2+3")
     for event in impacts[:6]:
-        wanted = housner_restitution(shape, 1 if event.where in right else -1)
+        wanted = shape.restitution(1 if event.where in right else -1)
         assert event.restitution == pytest.approx(wanted, rel=1e-6)
     peaks = exact.peaks
     assert (peaks[1:] * peaks[:-1] < 0).all()
@@ -115,7 +115,7 @@ def test_the_restitutions_are_those_of_angular_momentum() -> None:
         after = np.array([high, side * new])
         momentum = inertia + m * (arm[1] * before[0] - arm[0] * before[1])
         kept = inertia + m * (arm[1] * after[0] - arm[0] * after[1])
-        assert housner_restitution(shape, side) == pytest.approx(momentum / kept, rel=1e-14)
+        assert shape.restitution(side) == pytest.approx(momentum / kept, rel=1e-14)
 
 
 def test_energy_of_an_impact_in_the_events() -> None:
@@ -493,7 +493,7 @@ def test_an_elastic_block_rocks_as_the_rigid_one(block: dict[str, Any]) -> None:
     exact = housner(shape, gravity=G, tilt=math.radians(3.0), end=0.6, step=1e-3)
     (first, *_) = result.summary["blocks"]["block"]["impacts"]
     assert first["time_s"] == pytest.approx(exact.impacts[0], rel=1e-3)
-    own, plastic = first["restitution"], housner_restitution(shape, -1)
+    own, plastic = first["restitution"], shape.restitution(-1)
     assert plastic < own < plastic + 0.08  # elastic blocks keep more, squat ones most
     after = housner(shape, gravity=G, tilt=math.radians(3.0), end=0.6, step=1e-3, restitution=own)
     peak = result.summary["blocks"]["block"]["peaks"][1]

@@ -13,12 +13,7 @@ from scipy.integrate import quad
 from geometry.block import Block
 from rockslip import Scene, parse_scene, simulate
 from solver.reference.answer import ROCKING_ON_PLATFORM, reference_history, reference_name
-from solver.reference.housner import (
-    RockingReference,
-    housner,
-    housner_restitution,
-    restitution_on_platform,
-)
+from solver.reference.housner import RockingReference, housner
 from solver.scene.foundation import Platform
 from solver.types import Array
 
@@ -56,7 +51,7 @@ def test_first_quarter_by_quadrature() -> None:
 
 def test_peaks_follow_from_the_energy_at_impacts() -> None:
     found = free(math.radians(3))
-    e = housner_restitution(PAPER)
+    e = PAPER.restitution()
     barrier = math.cos(ALPHA)
     energies = np.cos(ALPHA - np.abs(found.peaks)) - barrier
     np.testing.assert_allclose(energies[1:8] / energies[:7], e**2, rtol=1e-7)
@@ -184,7 +179,9 @@ def test_an_impact_by_momentum_alone(ratio: float, known: float) -> None:
         ]
     )
     after = np.linalg.solve(equations, [-m * h, -m * b, -own, 0, 0, 0])
-    assert -after[2] == pytest.approx(restitution_on_platform(PAPER, base), rel=1e-12)
+    assert -after[2] == pytest.approx(
+        PAPER.restitution(0, PAPER.mass / (PAPER.mass + base)), rel=1e-12
+    )
     assert -after[2] == pytest.approx(known, abs=5e-5)
     kappa = m / (m + base)
     assert after[3] == pytest.approx(-kappa * h * (after[2] + 1), rel=1e-9)
@@ -193,7 +190,9 @@ def test_an_impact_by_momentum_alone(ratio: float, known: float) -> None:
 def test_a_heavy_platform_is_firm_ground() -> None:
     found = released(platform(1e-12))
     exact = housner(PAPER, gravity=G, tilt=TILT, end=2.0, step=1e-3)
-    assert restitution_on_platform(PAPER, 1e15) == pytest.approx(housner_restitution(PAPER))
+    assert PAPER.restitution(0, PAPER.mass / (PAPER.mass + 1e15)) == pytest.approx(
+        PAPER.restitution()
+    )
     np.testing.assert_allclose(found.impacts[:7], exact.impacts[:7], rtol=1e-9)
     np.testing.assert_allclose(found.angle, exact.angle, atol=1e-9)
 

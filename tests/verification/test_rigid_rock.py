@@ -14,7 +14,7 @@ from rigid import scene as scene_of
 
 from rockslip import Scene, simulate
 from solver.reference.answer import reference_history
-from solver.reference.housner import housner, housner_restitution
+from solver.reference.housner import housner
 
 Array = NDArray[np.float64]
 
@@ -84,7 +84,7 @@ def test_rocking_is_that_of_the_ode(restitution: float, d: int, direction: float
 def test_housners_own_value_changes_nothing() -> None:
     """With 1 - 1.5 sin^2 alpha it rocks as without one, whose impacts take a piece of a step."""
     free = scene(2, 1.0, tilt_deg=3.0)
-    given = scene(2, 1.0, tilt_deg=3.0, restitution=housner_restitution(free.blocks[0].shape))
+    given = scene(2, 1.0, tilt_deg=3.0, restitution=free.blocks[0].shape.restitution())
     angles = [simulate(asked).history["block.angle_rad"] for asked in (free, given)]
     assert np.abs(angles[0] - angles[1]).max() < 1e-6
 

@@ -7,8 +7,9 @@ from dataclasses import replace
 import pytest
 
 from benchmarks.stability.families import FAMILIES
-from benchmarks.stability.matrix import StabilityCase, changed
+from benchmarks.stability.matrix import StabilityCase
 from benchmarks.stability.verdict import judge
+from solver.study.scenes import changed
 
 pytestmark = pytest.mark.serial
 

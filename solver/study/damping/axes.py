@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from copy import deepcopy
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 from mpi4py import MPI
 
@@ -20,14 +19,9 @@ from solver.run.simulate import simulate
 from solver.scene import BlockSpec, Scene, parse_scene
 from solver.scene.checking import nearest, shown, to_table
 from solver.scene.damping import DEFAULT_RATIO, stiffness_damping
+from solver.study.scenes import Changes, Tables, changed
 from solver.study.study import Row, digest, numbers_by_name
 from solver.types import Array
-
-Tables = dict[str, Any]
-"""A scene as plain tables, changed in place."""
-
-Setter = Callable[[Tables, Scene, BlockSpec, float], None]
-"""Sets a value in the tables: of which scene, for which block."""
 
 Chosen = Callable[[Scene, BlockSpec], tuple[float, ...]]
 """Values that suit a scene and a block."""
@@ -41,7 +35,6 @@ BETAS = (0.0, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0)
 BETA_BOUNDS = (0.25, 5.0)
 """Bounds of beta_R for calibration, over that of 2 % of critical damping. Below them vibration
 lasts from impact to impact; above them more damping takes less, not more, from an impact."""
-
 
 SPACING = 1e-3
 """Least time between two rows of the angle that is kept, s."""
@@ -58,9 +51,9 @@ class Axis:
         key: What is set, for headings: the key of the scene, or words.
         unit: Of its values; "" without one.
         meaning: "physical": a property of the blocks; "numerical": of the method.
-        put: Sets it.
         values: Values that suit a scene.
         limit: Where its limit is: at zero, at infinity, or nowhere.
+        changes: What a value sets in a scene, for a block; None: the key itself.
         bounds: Least and largest value of a calibration; None: it is not one to calibrate.
     """
 
@@ -68,10 +61,10 @@ class Axis:
     key: str
     unit: str
     meaning: Literal["physical", "numerical"]
-    put: Setter
     values: Chosen
     limit: Literal["zero", "infinity", ""] = ""
-    bounds: Callable[[Scene, BlockSpec], tuple[float, float]] | None = None
+    changes: Callable[[Scene, BlockSpec, float], Changes] | None = None
+    bounds: Chosen | None = None
 
     def __reduce__(self) -> tuple[Callable[[str], Axis], tuple[str]]:
         """By its name when it is sent to another process, which has the same axes."""
@@ -87,40 +80,25 @@ class Axis:
         return 1 / value if self.limit == "infinity" else value
 
 
-def _set(*path: str) -> Setter:
-    """Set the key at the end of a path."""
-
-    def put(tables: Tables, scene: Scene, block: BlockSpec, value: float) -> None:
-        table = tables
-        for name in path[:-1]:
-            table = table.setdefault(name, {})
-        table[path[-1]] = value
-
-    return put
-
-
 def _fixed(*values: float) -> Chosen:
     """Values that do not depend on the scene."""
     return lambda scene, block: values
 
 
-def table_of(tables: Tables, block: BlockSpec) -> Tables:
-    """The table of a block."""
-    entries: list[Tables] = tables["block"]
-    return next(entry for entry in entries if entry.get("name", "block") == block.name)
+def _times(*ratios: float, of: Callable[[Scene, BlockSpec], float], digits: int = 3) -> Chosen:
+    """Multiples of a value of the scene."""
+    return lambda scene, block: tuple(float(f"{r * of(scene, block):.{digits}g}") for r in ratios)
 
 
-def _put_step(tables: Tables, scene: Scene, block: BlockSpec, value: float) -> None:
+def _step(scene: Scene, block: BlockSpec, value: float) -> Changes:
     """Fixed steps of a size, s."""
-    for key in ("adaptive", "tolerance", "largest", "smallest"):
-        tables["time"].pop(key, None)
-    tables["time"]["step"] = value
+    gone = ("adaptive", "tolerance", "largest", "smallest")
+    return {"time.step": value, **{f"time.{key}": None for key in gone}}
 
 
 def _steps(scene: Scene, block: BlockSpec) -> tuple[float, ...]:
     """Fixed steps around the time in which sound crosses the block, s."""
-    assert block.young is not None
-    crossing = block.height * math.sqrt(block.shape.density / block.young)
+    crossing = block.height * math.sqrt(block.shape.density / _young(scene, block))
     steps = dict.fromkeys(_round(ratio * crossing) for ratio in STEPS_OF_CROSSINGS)
     return tuple(step for step in steps if step <= scene.time.end / 10)
 
@@ -132,61 +110,55 @@ def _round(value: float) -> float:
     return float(f"{digit * power:.0e}")
 
 
-def _put_tolerance(tables: Tables, scene: Scene, block: BlockSpec, value: float) -> None:
+def _tolerance(scene: Scene, block: BlockSpec, value: float) -> Changes:
     """Adaptive steps of a tolerance."""
-    if not scene.time.adaptive:
-        for key in ("step", "smallest", "damped_steps"):
-            tables["time"].pop(key, None)
-    tables["time"]["tolerance"] = value
+    gone = () if scene.time.adaptive else ("step", "smallest", "damped_steps")
+    return {"time.tolerance": value, **{f"time.{key}": None for key in gone}}
 
 
-def _tolerances(scene: Scene, block: BlockSpec) -> tuple[float, ...]:
-    """From 16 times the tolerance of the scene, or the default, to a fourth of it."""
-    own = scene.time.tolerance or 1e-3
-    return tuple(float(f"{ratio * own:.3g}") for ratio in (16, 4, 1, 0.25))
-
-
-def _put_damped_steps(tables: Tables, scene: Scene, block: BlockSpec, value: float) -> None:
+def _damped_steps(scene: Scene, block: BlockSpec, value: float) -> Changes:
     """Damped steps after a change of contact: a whole number."""
-    tables["time"]["damped_steps"] = int(value) if value.is_integer() else value
+    return {"time.damped_steps": int(value) if value.is_integer() else value}
 
 
-def _put_mesh(tables: Tables, scene: Scene, block: BlockSpec, value: float) -> None:
+def _mesh(scene: Scene, block: BlockSpec, value: float) -> Changes:
     """The numbers of cells of all meshed bodies, times a factor."""
     if not value > 0:
         raise SceneError("--of mesh", shown(value), "factors > 0")
+
+    def finer(count: int) -> int:
+        return max(1, round(value * count))
+
+    made: dict[str, Any] = {}
     for spec in scene.blocks:
         if spec.takes_mesh:
             what = f"blocks that are meshed: {spec.name} has the mesh of its file"
             raise not_applicable("--of mesh", what)
         if spec.model == "elastic" and not spec.is_box:
-            table_of(tables, spec)["cell_size"] = spec.cell_size / value
+            made[f"{spec.name}.cell_size"] = spec.cell_size / value
         elif spec.model == "elastic":
-            table_of(tables, spec)["cells"] = [_times(value, count) for count in spec.cells]
-    foundation = scene.foundation
-    if foundation.is_meshed:
-        finer = foundation.refined(lambda count: _times(value, count))
-        tables["foundation"]["cells"] = to_table(finer)["cells"]
+            made[f"{spec.name}.cells"] = list(map(finer, spec.cells))
+    if scene.foundation.is_meshed:
+        made["foundation.cells"] = to_table(scene.foundation.refined(finer))["cells"]
+    return made
 
 
-def _times(factor: float, count: int) -> int:
-    """A number of cells times a factor."""
-    return max(1, round(factor * count))
+def _young(scene: Scene, block: BlockSpec) -> float:
+    """Young's modulus of the block, Pa."""
+    assert block.young is not None  # it is meshed
+    return block.young
 
 
-def _put_young(tables: Tables, scene: Scene, block: BlockSpec, value: float) -> None:
+def _other_young(scene: Scene, block: BlockSpec, value: float) -> Changes:
     """Young's modulus of the block, Pa; its damping stays, also where that is the default."""
-    own = table_of(tables, block)
-    own["young"] = value
-    if block.damping is not None:
-        own.setdefault("damping", to_table(block.damping))
+    kept = {f"{block.name}.damping": to_table(block.damping)} if block.damping else {}
+    return {f"{block.name}.young": value, **kept}
 
 
-def _put_beta(tables: Tables, scene: Scene, block: BlockSpec, value: float) -> None:
-    """beta_R of `[damping]` where the block has that, else that of the block itself, s."""
-    own = table_of(tables, block)
-    owner = own if "damping" in own or "damping" not in tables else tables
-    owner["damping"] = dict(owner.get("damping", {})) | {"stiffness": value}
+def _beta(scene: Scene, block: BlockSpec, value: float) -> Changes:
+    """beta_R of the block where it has its own damping, or the default; else of `[damping]`, s."""
+    owner = f"{block.name}." if block.damping or not scene.damping else ""
+    return {f"{owner}damping.stiffness": value}
 
 
 def _two_percent(scene: Scene, block: BlockSpec) -> float:
@@ -194,97 +166,53 @@ def _two_percent(scene: Scene, block: BlockSpec) -> float:
     return stiffness_damping(DEFAULT_RATIO, scene.bending_frequency(block)).stiffness
 
 
-def _betas(scene: Scene, block: BlockSpec) -> tuple[float, ...]:
-    """None, and three decades around 2 % of critical damping, s."""
-    decade = 10.0 ** math.floor(math.log10(_two_percent(scene, block)))
-    return tuple(float(f"{ratio * decade:.3g}") for ratio in BETAS)
+def _decade(scene: Scene, block: BlockSpec) -> float:
+    """The power of ten below that, s."""
+    return 10.0 ** math.floor(math.log10(_two_percent(scene, block)))
 
 
-def _beta_bounds(scene: Scene, block: BlockSpec) -> tuple[float, float]:
-    """From 0.5 % to 10 % of critical damping, s."""
-    usual = _two_percent(scene, block)
-    low, high = (float(f"{ratio * usual:.1e}") for ratio in BETA_BOUNDS)
-    return low, high
-
-
-def _contact_bounds(scene: Scene, block: BlockSpec) -> tuple[float, float]:
-    """From a fiftieth of the critical value to the critical value."""
-    return 0.02, 1.0
-
-
-def _put_floor(tables: Tables, scene: Scene, block: BlockSpec, value: float) -> None:
-    """E of a meshed floor over that of the block; where the floor is rigid, a plate is put in."""
-    assert block.young is not None
-    floor = scene.foundation
-    if floor.is_meshed:
-        tables["foundation"]["young"] = value * block.young
-        return
-    standing = [spec for spec in scene.blocks if scene.carrier_of(spec) is None]
-    if floor.on_spring or len(standing) > 1:
-        raise not_applicable("--of floor", "meshed floors and rigid ones with one block on them")
-    base = standing[0]
-    if base.model == "rigid":
-        raise not_applicable("--of floor", "floors under a meshed block")
-    if not base.is_box:
-        raise not_applicable("--of floor", "floors under a box")
-    *along, _ = base.cells
-    sides = [4 * base.width + 2 * abs(base.offset)]
-    if scene.dimension == 3:
-        sides.append(4 * base.thickness + 2 * abs(base.offset_second))
-    own = [base.width, base.thickness][: len(sides)]
-    cells = [round(side * n / size) for side, n, size in zip(sides, along, own, strict=True)]
-    tables["foundation"] = {
-        "kind": "elastic",
-        "support": "bottom",
-        "width": sides[0],
-        "height": base.width,
-        "density": base.shape.density,
-        "young": value * block.young,
-        "poisson": base.poisson,
-        "cells": [*cells, along[0]],
-        **({"thickness": sides[1]} if scene.dimension == 3 else {}),
-    }
-    if scene.damping is None and base.damping is not None:  # else it has that of [damping]
-        tables["foundation"]["damping"] = to_table(base.damping)
-
-
-def _youngs(scene: Scene, block: BlockSpec) -> tuple[float, ...]:
-    """A tenth of the block's own modulus to ten times it, Pa."""
-    assert block.young is not None
-    return tuple(float(f"{ratio * block.young:.3g}") for ratio in (0.1, 0.3, 1, 3, 10))
+def _floor(scene: Scene, block: BlockSpec, value: float) -> Changes:
+    """E of a meshed floor over that of the block."""
+    if not scene.foundation.is_meshed:
+        raise not_applicable("--of floor", "meshed foundations")
+    return {"foundation.young": value * _young(scene, block)}
 
 
 AXES = {
     axis.name: axis
     for axis in (
-        Axis("step", "time.step", "s", "numerical", _put_step, _steps, "zero"),
-        Axis("tolerance", "time.tolerance", "", "numerical", _put_tolerance, _tolerances, "zero"),
+        Axis("step", "time.step", "s", "numerical", _steps, "zero", _step),
+        Axis(
+            "tolerance", "time.tolerance", "", "numerical",
+            # over that of the scene, or the default
+            _times(16, 4, 1, 0.25, of=lambda scene, _: scene.time.tolerance or 1e-3),
+            "zero", _tolerance,
+        ),
         Axis(
             "mesh", "cells of an edge over the scene's", "", "numerical",
-            _put_mesh, _fixed(0.5, 1.0, 2.0, 4.0), "infinity",
+            _fixed(0.5, 1.0, 2.0, 4.0), "infinity", _mesh,
         ),
-        Axis(
-            "gamma", "contact.gamma", "", "numerical",
-            _set("contact", "gamma"), _fixed(30.0, 100.0, 300.0, 1000.0),
-        ),
-        Axis(
-            "rho_inf", "time.rho_inf", "", "numerical",
-            _set("time", "rho_inf"), _fixed(0.0, 0.5, 0.8, 1.0),
-        ),
+        Axis("gamma", "contact.gamma", "", "numerical", _fixed(30.0, 100.0, 300.0, 1000.0)),
+        Axis("rho_inf", "time.rho_inf", "", "numerical", _fixed(0.0, 0.5, 0.8, 1.0)),
         Axis(
             "damped_steps", "time.damped_steps", "", "numerical",
-            _put_damped_steps, _fixed(0.0, 2.0, 8.0, 32.0),
+            _fixed(0.0, 2.0, 8.0, 32.0), "", _damped_steps,
         ),
-        Axis("beta", "beta_R", "s", "physical", _put_beta, _betas, bounds=_beta_bounds),
+        Axis(
+            "beta", "beta_R", "s", "physical", _times(*BETAS, of=_decade), "", _beta,
+            bounds=_times(*BETA_BOUNDS, of=_two_percent, digits=2),
+        ),
         Axis(
             "contact", "contact.damping", "", "physical",
-            _set("contact", "damping"), _fixed(0.02, 0.05, 0.1, 0.2, 0.5, 1.0),
-            bounds=_contact_bounds,
+            _fixed(0.02, 0.05, 0.1, 0.2, 0.5, 1.0), bounds=_fixed(0.02, 1.0),
         ),
-        Axis("young", "E", "Pa", "physical", _put_young, _youngs),
+        Axis(
+            "young", "E", "Pa", "physical",
+            _times(0.1, 0.3, 1, 3, 10, of=_young), "", _other_young,
+        ),
         Axis(
             "floor", "E of floor over E of block", "", "physical",
-            _put_floor, _fixed(1.0, 3.0, 10.0, 30.0), "infinity",
+            _fixed(1.0, 3.0, 10.0, 30.0), "infinity", _floor,
         ),
     )
 }  # fmt: skip
@@ -348,28 +276,18 @@ class BaseScene:
     block: BlockSpec
     end: float
 
-    def with_values(self, *changes: tuple[Axis, float]) -> Tables:
-        """Its tables with values set."""
-        tables = deepcopy(self.tables)
-        for axis, value in changes:
-            # Later axes start from what earlier ones made, such as cells of a floor put in.
-            axis.put(tables, parse_scene(tables), self.block, value)
-        return tables
+    def with_value(self, axis: Axis, value: float) -> Tables:
+        """Its tables with a value set."""
+        changes = axis.changes or (lambda *_: {axis.key: value})
+        return changed(self.tables, changes(self.scene, self.block, value))
 
-    def case(self, *changes: tuple[Axis, float]) -> DampingCase:
-        """The case in which values are set; SceneError where a scene does not take them."""
-        tables = self.with_values(*changes)
-        tables["time"]["end"] = self.end
-        scene = parse_scene(tables)
-        words = ", ".join(f"{axis.name} {value:g}" for axis, value in changes)
-        return DampingCase(
-            key=_key(scene), name=words or "the scene", scene=scene, block=self.block.name
-        )
-
-
-def _key(scene: Scene) -> str:
-    """A key made from all values of a scene but its title."""
-    return digest(replace(scene, title="").to_dict())[:12]
+    def case(self, axis: Axis | None = None, value: float = 0.0) -> DampingCase:
+        """The case in which a value is set; SceneError where a scene does not take it."""
+        tables = self.tables if axis is None else self.with_value(axis, value)
+        scene = parse_scene(changed(tables, {"time.end": self.end}))
+        words = "the scene" if axis is None else f"{axis.name} {value:g}"
+        key = digest(replace(scene, title="").to_dict())[:12]
+        return DampingCase(key=key, name=words, scene=scene, block=self.block.name)
 
 
 def watched(scene: Scene, name: str | None) -> BlockSpec:
@@ -379,16 +297,15 @@ def watched(scene: Scene, name: str | None) -> BlockSpec:
         scene: Where it stands.
         name: Its name; None: the first one with a mesh.
     """
-    meshed = [block for block in scene.blocks if block.model == "elastic"]
+    meshed = {block.name: block for block in scene.blocks if block.model == "elastic"}
     if not meshed:
         what = 'has no meshed block; what impacts keep is "restitution" of a rigid one'
         raise Statement("scene", what)
     if name is None:
-        return meshed[0]
-    names = [block.name for block in meshed]
-    if name not in names:
-        raise SceneError("--block", shown(name), " or ".join(names), nearest(name, names))
-    return meshed[names.index(name)]
+        return next(iter(meshed.values()))
+    if name not in meshed:
+        raise SceneError("--block", shown(name), " or ".join(meshed), nearest(name, list(meshed)))
+    return meshed[name]
 
 
 def time_for(scene: Scene, block: BlockSpec, impacts: int) -> float:
@@ -428,79 +345,32 @@ def spaced(time: Array, angle: Array) -> list[tuple[float, float]]:
     return list(zip(time[kept].tolist(), angle[kept].tolist(), strict=True))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SweptValue:
-    """One value of an axis, and its case.
-
-    Attributes:
-        axis: The axis.
-        value: Its value.
-        at: The value of the axis that the whole sweep is repeated for; None: there is none.
-        case: Key of its case.
-    """
+class SweptValue(NamedTuple):
+    """One value of an axis, and its case."""
 
     axis: Axis
     value: float
-    at: float | None
-    case: str
+    case: DampingCase
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Sweep:
-    """A study's sweeps.
-
-    Attributes:
-        base: Key of the case of the scene as it is.
-        values: All values, axis by axis.
-        at: The axis that all is repeated for; None: there is none.
-        cases: The cases to run, each once.
-        left_out: Default values that the scene does not take, in words.
-    """
-
-    base: str
-    values: tuple[SweptValue, ...]
-    at: Axis | None
-    cases: tuple[DampingCase, ...]
-    left_out: tuple[str, ...]
-
-
-def sweep(base: BaseScene, of: Sequence[str], at: Sequence[str]) -> Sweep:
-    """The sweeps of a command line.
+def swept_values(base: BaseScene, words: Sequence[str]) -> tuple[list[SweptValue], list[str]]:
+    """The values of a command line, axis by axis, and what is left out, in words.
 
     Args:
         base: What is varied.
-        of: Axes and values; none: all axes with their default values.
-        at: One axis with the values for which all is repeated.
+        words: Axes and values; none: all axes with their default values, of which those that the
+            scene does not take are left out.
     """
-    axes = numbers_by_name("--of", of, tuple(AXES), ALLOWED) or dict.fromkeys(AXES, ())
-    repeated = numbers_by_name("--at", at, tuple(AXES), ALLOWED)
-    if len(repeated) > 1 or repeated.keys() & axes.keys():
-        raise SceneError("--at", shown(" ".join(at)), "one axis that is not swept itself")
-    others: list[tuple[Axis, float] | None] = [None]
-    for name, values in repeated.items():
-        axis = AXES[name]
-        others = [(axis, v) for v in sorted(values or axis.values(base.scene, base.block))]
-    own = base.case()
-    cases, swept, left_out = {own.key: own}, [], []
+    axes = numbers_by_name("--of", words, tuple(AXES), ALLOWED) or dict.fromkeys(AXES, ())
+    swept, left_out = list[SweptValue](), dict[str, None]()
     for axis in (axis for name, axis in AXES.items() if name in axes):
         given = axes[axis.name]
-        for other in others:
-            for number, value in enumerate(sorted(given or axis.values(base.scene, base.block))):
-                try:
-                    case = base.case(*([other] if other else []), (axis, value))
-                except SceneError as error:
-                    # Of an axis that is requested by name, at least the first value is possible.
-                    if given or (of and number == 0):
-                        raise
-                    left_out.append(f"{axis.name} {value:g}: {error}")
-                    continue
-                cases.setdefault(case.key, case)
-                repetition = other[1] if other else None
-                swept.append(SweptValue(axis=axis, value=value, at=repetition, case=case.key))
-    return Sweep(
-        base=own.key,
-        values=tuple(swept),
-        at=others[0][0] if others[0] else None,
-        cases=tuple(cases.values()),
-        left_out=tuple(left_out),
-    )
+        for number, value in enumerate(sorted(given or axis.values(base.scene, base.block))):
+            try:
+                swept.append(SweptValue(axis, value, base.case(axis, value)))
+            except SceneError as error:
+                # Of an axis that is requested by name, at least the first value is possible.
+                if given or (words and number == 0):
+                    raise
+                left_out[f"{axis.name}: {error}"] = None
+    return swept, list(left_out)

@@ -52,9 +52,6 @@ ENOUGH = 5e-4
 NEAREST = 0.01
 """Least difference between two values that are tried, relative."""
 
-SEARCHES_OF_REACH = 2
-"""Runs more at a turning point of the restitution before a target beyond it is refused."""
-
 ALIKE = 1e-4
 """Differences from the target that are as good as one another: the smaller value is taken."""
 
@@ -248,11 +245,10 @@ class Trial:
 class Search:
     """A search between two positive values, which tries several at first and then one by one.
 
-    The first runs, at both ends and in the middle, measure what can be reached; where restitution
-    turns between them, so do one or two more at its turning point. From then on all numbers that
-    are compared are interpolated over the logarithm of the value, by cubics that overshoot nothing,
-    and the next run is made where that comes nearest to the target. Where several values do, the
-    smallest is taken.
+    The first runs, at both ends and in the middle, measure what can be reached. From then on all
+    numbers that are compared are interpolated over the logarithm of the value, by cubics that
+    overshoot nothing, and the next run is made where that comes nearest to the target. Where
+    several values do, the smallest is taken.
     """
 
     low: float
@@ -268,11 +264,9 @@ class Search:
         """Values to run next; none where the search has ended."""
         if not self.made:
             return [self.low, _rounded(math.sqrt(self.low * self.high)), self.high]
-        if len(self.made) >= self.most or self.best_error <= ENOUGH:
+        if len(self.made) >= self.most or self.best_error <= ENOUGH or not self.within_reach:
             return []
-        value = self._nearest() if self.within_reach else self._turning_point()
-        if value is None:
-            return []
+        value = self._nearest()
         tried = [abs(math.log(trial.value / value)) for trial in self.trials]
         return [value] if min(tried) > NEAREST else []
 
@@ -310,20 +304,6 @@ class Search:
     def error(self, trial: Trial) -> float:
         """Difference of a run from the target, root mean square."""
         return float(np.sqrt(np.mean((np.array(trial.found) - np.array(self.wanted)) ** 2)))
-
-    def _turning_point(self) -> float | None:
-        """Value at which restitution turns on the side of the target; None where it does not."""
-        trials, (least, largest) = self.trials, self.reach
-        extreme = least if self.restitution < least else largest
-        number = [trial.restitution for trial in trials].index(extreme)
-        if not 0 < number < len(trials) - 1 or len(trials) >= 3 + SEARCHES_OF_REACH:
-            return None
-        near = trials[number - 1 : number + 2]
-        places = np.log([trial.value for trial in near]) - math.log(near[1].value)
-        _, slope, bend = np.polynomial.polynomial.polyfit(
-            places, [trial.restitution for trial in near], 2
-        )
-        return _rounded(near[1].value * math.exp(-slope / (2 * bend)))
 
     def _nearest(self) -> float:
         """Value at which the interpolated runs are nearest to the target."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator, Sequence
-from copy import deepcopy
 
 import numpy as np
 import tomli_w
@@ -18,15 +17,15 @@ from solver.study.damping.axes import (
     AXES,
     BaseScene,
     DampingCase,
-    sweep,
+    swept_values,
     time_for,
     watched,
 )
 from solver.study.damping.calibration import Search, Trial, target_of
 from solver.study.damping.numbers import Restitution, restitution_of
 from solver.study.scenes import scene_tables
-from solver.study.study import CASES, SUMMARY, Row, Study, numbers_by_name
-from solver.study.tables import as_csv, column_names, early_ends, write
+from solver.study.study import CASES, Row, Study, numbers_by_name
+from solver.study.tables import Column, in_words, write
 from solver.types import Array
 
 CLOSE = 4e-3
@@ -47,7 +46,7 @@ class _Impacts(Study[DampingCase]):
 
     kind, noun = "damping", "study of damping"
     same = "the same scene and block"
-    files = ("damping*.png", "histories_*.png", "calibration.*", "calibrated.toml")
+    files = ("calibration.*", "calibrated.toml")
 
     def __init__(self, options: argparse.Namespace):
         """Read the scene, and find the block whose impacts count."""
@@ -59,14 +58,9 @@ class _Impacts(Study[DampingCase]):
         block = watched(scene, options.block)
         if scene.motion is not None:  # with names of files that hold in every folder
             tables["motion"] = scene.to_dict()["motion"]
-        whole = options.histories
-        end = scene.time.end if whole else time_for(scene, block, options.impacts)
-        self.base = BaseScene(tables=deepcopy(tables), scene=scene, block=block, end=end)
+        end = time_for(scene, block, options.impacts)
+        self.base = BaseScene(tables=tables, scene=scene, block=block, end=end)
         self.settings = {"scene": scene.to_dict(), "block": block.name}
-
-    def key(self, case: DampingCase) -> str:
-        """The key of the scene: equal scenes are run once, whatever study they are of."""
-        return case.key
 
     def keep(self, case: DampingCase, row: Row) -> Row:
         """Keep a case, its angle in a file of its own; returns its row."""
@@ -77,64 +71,46 @@ class _Impacts(Study[DampingCase]):
             write(self.folder / CASES / f"{case.key}.csv", "\n".join(lines) + "\n")
         return super().keep(case, row)
 
-    def kept_angle(self, key: str) -> tuple[Array, Array]:
-        """Times (s) and angles (rad) of a case."""
-        file = self.folder / CASES / f"{key}.csv"
-        found = np.loadtxt(file, delimiter=",", skiprows=1, ndmin=2)
-        return found[:, 0], found[:, 1]
-
 
 class SweepStudy(_Impacts):
     """Restitution over parameters, one at a time.
 
     Attributes:
-        sweep: What is swept.
+        own: The case of the scene as it is.
+        swept: The values of all axes, and their cases.
+        left_out: Axes of which the scene takes not all default values, in words.
     """
 
     def __init__(self, options: argparse.Namespace):
         """Read the command line; refuse what the scene does not take."""
         super().__init__(options)
-        self.sweep = sweep(self.base, options.of, options.at)
-        self.wanted = self.sweep.cases
+        self.own = self.base.case()
+        self.swept, self.left_out = swept_values(self.base, options.of)
+        self.wanted = [self.own, *(swept.case for swept in self.swept)]
 
     def write(self) -> str:
         """Write the tables and pictures of what has been done."""
+        from solver.study.damping.picture import restitution_picture
+
         if not self.ordered:
             return ""
-        swept, rows, impacts = self.sweep, self.rows, self.options.impacts
-        found = numbers.lines(swept, rows, impacts)
-        own = restitution_of(rows.get(swept.base), impacts)
-        whole = list(numbers.rows_of_table(swept, rows, impacts))
-        cells = numbers.words(whole, swept, impacts)
-        told = list(numbers.remarks(whole, swept, found))
+        rows, impacts = self.rows, self.options.impacts
+        found = numbers.lines(self.swept, rows, impacts)
+        own = restitution_of(rows.get(self.own.key), impacts)
+        table = list(numbers.rows_of_table(self.own, self.swept, rows, impacts))
+        told = list(numbers.remarks(table, found, self.left_out))
         title = self.base.scene.title or "Restitution of impacts"
-        page = numbers.markdown(title, cells, told, early_ends(whole))
+        text = numbers.page(title, table, impacts, told)
         summary = {
             "block": self.base.block.name,
             "impacts": impacts,
             "scene": None if own is None else numbers.measures(own),
             "lines": [numbers.as_json(line) for line in found],
         }
-        self.leave(whole, page, summary, digits=8)
-        self._draw([line for line in found if line.values], own)
-        return numbers.plain_text(cells, told, early_ends(whole))
-
-    def _draw(self, lines: Sequence[numbers.Line], own: Restitution | None) -> None:
-        """Draw the pictures."""
-        from solver.study.damping.picture import history_picture, restitution_picture
-
-        if lines:
-            self.draw("damping.png", restitution_picture, lines, own, self.sweep.at)
-        for line in lines if self.options.histories else ():
-            curves = {
-                f"{line.axis.key} {swept.value:g} {line.axis.unit}".strip(): self.kept_angle(
-                    swept.case
-                )
-                for swept in self.sweep.values
-                if (swept.axis, swept.at) == (line.axis, line.at) and swept.value in line.values
-            }
-            at = "" if line.at is None else f"_{line.at:g}"
-            self.draw(f"histories_{line.axis.name}{at}.png", history_picture, curves)
+        self.leave(table, text, summary, digits=8)
+        if lines := [line for line in found if line.values]:
+            self.draw("damping.png", restitution_picture, lines, own)
+        return text
 
     def say(self, text: str) -> None:
         """Say what was found, what failed among it, and where it is."""
@@ -151,11 +127,11 @@ class Calibration(_Impacts):
         search: The runs so far.
     """
 
+    table = "calibration"
+
     def __init__(self, options: argparse.Namespace):
         """Read the command line; refuse what the scene does not take."""
         super().__init__(options)
-        if options.at:
-            raise SceneError("--at", " ".join(options.at), "nothing with --target")
         able = [axis.name for axis in AXES.values() if axis.bounds is not None]
         (name, values), *others = numbers_by_name(
             "--of", options.of or able[:1], tuple(AXES), ALLOWED
@@ -171,7 +147,7 @@ class Calibration(_Impacts):
         self.axis, self.bounds = axis, (low, high)
         self.target = target_of(options.target, base.scene, base.block, options.impacts)
         for value in self.bounds:
-            base.case((axis, value))  # what the scene does not take is refused here
+            base.case(axis, value)  # what the scene does not take is refused here
         self.search = Search(
             low=low, high=high, wanted=self.target.wanted, restitution=self.target.restitution
         )
@@ -183,7 +159,7 @@ class Calibration(_Impacts):
             SceneError: The target is out of reach.
         """
         while values := self.search.next_values():
-            cases = [self.base.case((self.axis, value)) for value in values]
+            cases = [self.base.case(self.axis, value) for value in values]
             yield cases
             for value, case in zip(values, cases, strict=True):
                 self.search.tell(self._trial(value, self.rows.get(case.key)))
@@ -233,10 +209,8 @@ class Calibration(_Impacts):
             }
             for trial in search.trials
         ]
-        write(self.folder / "calibration.csv", as_csv(table, column_names(table), digits=8))
-        cells, told = self._cells(), self._sentences()
         title = self.base.scene.title or "Calibration"
-        write(self.folder / "calibration.md", numbers.markdown(title, cells, told))
+        text = numbers.markdown(title, self._cells(), self._sentences())
         summary = {
             "parameter": self.axis.name,
             "key": self.axis.key,
@@ -249,26 +223,37 @@ class Calibration(_Impacts):
             "restitution": best.restitution if best else None,
             "difference": search.best_error if best else None,
         }
-        write(self.folder / SUMMARY, summary)
+        self.leave(table, text, summary, digits=8)
         angle = None
         if best is not None:
-            change = self.axis, best.value
-            write(self.folder / "calibrated.toml", tomli_w.dumps(self.base.with_values(change)))
-            angle = self.kept_angle(self.base.case(change).key)
-        label = self.axis.label
-        self.draw("calibration.png", calibration_picture, search, target, label, angle)
-        if best is not None and not self.good:
-            told.append(f"no run came nearer than {search.best_error:.4f}: impacts scatter")
-        return numbers.plain_text(cells, told)
+            calibrated = self.base.with_value(self.axis, best.value)
+            write(self.folder / "calibrated.toml", tomli_w.dumps(calibrated))
+            angle = self._kept_angle(self.base.case(self.axis, best.value).key)
+        self.draw("calibration.png", calibration_picture, search, target, self.axis.label, angle)
+        return text
 
     def _cells(self) -> list[list[str]]:
         """The table in words, the heading first."""
-        kind = "difference of peaks" if self.target.peaks else "difference"
-        rows = [[self.axis.label, "restitution", kind]]
-        for trial in self.search.made:
-            value = f"{trial.value:g}{' *' if trial is self._best else ''}"
-            rows.append([value, f"{trial.restitution:.4f}", f"{self.search.error(trial):.4f}"])
-        return rows
+        difference = "difference of peaks" if self.target.peaks else "difference"
+        columns = [
+            *(Column("value", self.axis.label), Column("restitution", "restitution", ".4f")),
+            Column("error", difference, ".4f"),
+        ]
+        rows = [
+            {
+                "value": f"{trial.value:g}{' *' if trial is self._best else ''}",
+                "restitution": trial.restitution,
+                "error": self.search.error(trial),
+            }
+            for trial in self.search.made
+        ]
+        return in_words(rows, columns)
+
+    def _kept_angle(self, key: str) -> tuple[Array, Array]:
+        """Times (s) and angles (rad) of a case."""
+        file = self.folder / CASES / f"{key}.csv"
+        found = np.loadtxt(file, delimiter=",", skiprows=1, ndmin=2)
+        return found[:, 0], found[:, 1]
 
     def _sentences(self) -> list[str]:
         """The result in words."""
@@ -280,7 +265,11 @@ class Calibration(_Impacts):
             return [f"{wanted}; not {reach}"]
         unit = f" {self.axis.unit}" if self.axis.unit else ""
         found = f"{self.axis.key} = {best.value:g}{unit}: restitution {best.restitution:.4f}"
-        return [wanted, reach, f"{found}, after {len(self.search.trials)} runs"]
+        found += f", after {len(self.search.trials)} runs"
+        if self.good:
+            return [wanted, reach, found]
+        far = f"no run came nearer than {self.search.best_error:.4f}: impacts scatter"
+        return [wanted, reach, found, far]
 
     def say(self, text: str) -> None:
         """Say the result, and where it is; a target out of reach is an error of its own."""

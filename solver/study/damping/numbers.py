@@ -5,17 +5,26 @@ from __future__ import annotations
 import math
 import statistics
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal
 
-from solver.study.damping.axes import Axis, Sweep, SweptValue
-from solver.study.tables import groups, in_columns, in_markdown
+from solver.study.damping.axes import Axis, DampingCase, SweptValue
+from solver.study.tables import Column, early_ends, groups, in_markdown, in_words
 
 LEAST_ORDER, MOST_ORDER = 0.5, 2.0
 """Orders of convergence that are believed; no more than the second is relied on."""
 
 Rows = Mapping[str, Mapping[str, Any]]
 """Rows of the finished cases by their keys."""
+
+TO = {"zero": "0", "infinity": "infinity"}
+"""Where limits are, in words."""
+
+HOW = {
+    "reached": "the last two agree",
+    "scatter": "no order of convergence: the last value, and the range of the last three",
+}
+"""Where limits come from, in words."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,23 +161,19 @@ def _order(x: Sequence[float], fall: float) -> float | None:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Line:
-    """The values of one axis, at one value of the axis that all is repeated for.
+    """The values of one axis.
 
     Attributes:
         axis: The axis.
-        at: That value; None: nothing is repeated.
         values: Values of which the restitution is known.
         found: The restitution at each of them.
         limit: The limit of its mean; None where there is none, or too few values.
-        limits: The limit of each impact; empty without the one of the mean.
     """
 
     axis: Axis
-    at: float | None
     values: tuple[float, ...]
     found: tuple[Restitution, ...]
     limit: Limit | None
-    limits: tuple[Limit | None, ...]
 
     @property
     def means(self) -> list[float]:
@@ -176,66 +181,47 @@ class Line:
         return [found.mean for found in self.found if found.mean is not None]
 
 
-def lines(sweep: Sweep, rows: Rows, impacts: int) -> list[Line]:
+def lines(swept: Sequence[SweptValue], rows: Rows, impacts: int) -> list[Line]:
     """The lines of a study, in the order of its table.
 
     Args:
-        sweep: The sweep of the command line.
+        swept: The values of the command line.
         rows: What is finished.
         impacts: Number of impacts that count.
     """
-    several = groups(sweep.values, lambda swept: (swept.axis.name, swept.at))
-    return [_line(group, rows, impacts) for group in several.values()]
+    return [_line(own, rows, impacts) for own in groups(swept, lambda s: s.axis.name).values()]
 
 
 def _line(group: Sequence[SweptValue], rows: Rows, impacts: int) -> Line:
     """One line."""
     axis = group[0].axis
-    known = [
-        (swept.value, kept)
-        for swept in group
-        if (kept := restitution_of(rows.get(swept.case), impacts)) and kept.known
-    ]
-    values = tuple(value for value, _ in known)
-    found = tuple(kept for _, kept in known)
-    whole: Limit | None = None
-    single: tuple[Limit | None, ...] = ()
+    kept = [(s.value, restitution_of(rows.get(s.case.key), impacts)) for s in group]
+    known = [(value, found) for value, found in kept if found is not None and found.known]
+    values, found = tuple(value for value, _ in known), tuple(found for _, found in known)
+    made = Line(axis=axis, values=values, found=found, limit=None)
     # A limit of runs with different numbers of impacts would compare different means.
-    if axis.limit and all(each.complete for each in found):
-        distances = [axis.distance(value) for value in values]
-        means = [each.mean or math.nan for each in found]
-        whole = limit(distances, means, [each.error for each in found])
-    if whole is not None:
-        none = [0.0] * len(found)
-        single = tuple(
-            limit(distances, [each.known[k] for each in found], none) for k in range(impacts)
-        )
-    return Line(axis=axis, at=group[0].at, values=values, found=found, limit=whole, limits=single)
+    if not axis.limit or not all(each.complete for each in found):
+        return made
+    distances = [axis.distance(value) for value in values]
+    return replace(made, limit=limit(distances, made.means, [each.error for each in found]))
 
 
-def sentence(line: Line, at: Axis | None) -> str:
+def sentence(line: Line) -> str:
     """The result of a line in words."""
-    where = "" if line.at is None or at is None else f" at {at.name} {line.at:g}"
-    head = f"{line.axis.name}{where}"
     if not line.means:
-        return f"{head}: no run with a restitution"
+        return f"{line.axis.name}: no run with a restitution"
     low, high = min(line.means), max(line.means)
     over = f"{min(line.values):g} to {max(line.values):g}"
     if line.limit is None:
         scatter = max(each.error for each in line.found)
         return (
-            f"{head} {over}: restitution {low:.4f} to {high:.4f}, "
+            f"{line.axis.name} {over}: restitution {low:.4f} to {high:.4f}, "
             f"standard error of a mean at most {scatter:.4f}"
         )
-    to = {"zero": "0", "infinity": "infinity"}[line.axis.limit]
-    how = {
-        "extrapolated": f"extrapolated with order {line.limit.order:.1f}",
-        "reached": "the last two agree",
-        "scatter": "no order of convergence: the last value, and the range of the last three",
-    }[line.limit.source]
+    how = HOW.get(line.limit.source, f"extrapolated with order {line.limit.order:.1f}")
     return (
-        f"{head} to {to}: restitution {line.limit.value:.4f} ± {line.limit.uncertainty:.4f} "
-        f"({how}); {low:.4f} to {high:.4f} over {over}"
+        f"{line.axis.name} to {TO[line.axis.limit]}: restitution {line.limit.value:.4f} "
+        f"± {line.limit.uncertainty:.4f} ({how}); {low:.4f} to {high:.4f} over {over}"
     )
 
 
@@ -244,24 +230,20 @@ def as_json(line: Line) -> dict[str, Any]:
     return {
         "axis": line.axis.name,
         "meaning": line.axis.meaning,
-        "at": line.at,
         "values": list(line.values),
         "restitution": line.means,
         "standard_error": [found.error for found in line.found],
         "limit": asdict(line.limit) if line.limit else None,
-        "limits_of_impacts": [asdict(each) if each else None for each in line.limits],
     }
 
 
-def rows_of_table(sweep: Sweep, rows: Rows, impacts: int) -> Iterator[dict[str, Any]]:
+def rows_of_table(
+    own: DampingCase, swept: Sequence[SweptValue], rows: Rows, impacts: int
+) -> Iterator[dict[str, Any]]:
     """Rows of the table: the scene as it is, then axis by axis."""
-    own = {"axis": "", "value": None, **({sweep.at.name: None} if sweep.at else {})}
-    yield own | _measured(sweep.base, rows, impacts)
-    for swept in sweep.values:
-        named = {"axis": swept.axis.name, "value": swept.value}
-        if sweep.at is not None:
-            named[sweep.at.name] = swept.at
-        yield named | _measured(swept.case, rows, impacts)
+    yield {"axis": "", "value": None} | _measured(own.key, rows, impacts)
+    for axis, value, case in swept:
+        yield {"axis": axis.name, "value": value} | _measured(case.key, rows, impacts)
 
 
 def _measured(case: str, rows: Rows, impacts: int) -> dict[str, Any]:
@@ -296,54 +278,32 @@ def measures(found: Restitution) -> dict[str, Any]:
     }
 
 
-def words(table: Sequence[Mapping[str, Any]], sweep: Sweep, impacts: int) -> list[list[str]]:
-    """The most important columns as words, the heading first."""
-    at = [] if sweep.at is None else [(sweep.at.name, sweep.at.name, "g")]
-    each = [(f"restitution_{k}", f"impact {k}", ".4f") for k in range(1, impacts + 1)]
+def page(title: str, table: Sequence[Mapping[str, Any]], impacts: int, told: Sequence[str]) -> str:
+    """The most important columns and remarks as Markdown, after what has to be known first."""
     columns = [
-        *(("axis", "axis", ""), ("value", "value", "g"), *at),
-        *(("restitution", "restitution", ".4f"), ("standard_error", "± error", ".4f"), *each),
-        *(("loss.damping", "damping", ".0%"), ("unresolved", "unresolved", ".0%")),
-        *(("steps", "steps", "d"), ("wall_s", "wall s", ".1f")),
+        *(Column("axis", "axis"), Column("value", "value", "g")),
+        *(Column("restitution", "restitution", ".4f"), Column("standard_error", "± error", ".4f")),
+        *(Column(f"restitution_{k}", f"impact {k}", ".4f") for k in range(1, impacts + 1)),
+        *(Column("loss.damping", "damping", ".0%"), Column("unresolved", "unresolved", ".0%")),
+        *(Column("steps", "steps"), Column("wall_s", "wall s", ".1f")),
     ]
-    found = [[heading for _, heading, _ in columns]]
-    for row in table:
-        unresolved = _sum(row, "loss.contact", "loss.numerical")
-        told = {**row, "axis": row["axis"] or "the scene", "unresolved": unresolved}
-        found.append([_number(told.get(key), form) for key, _, form in columns])
-    return found
-
-
-def _sum(row: Mapping[str, Any], *keys: str) -> float | None:
-    """Sum of values, None where they are not known."""
-    return sum(row[key] for key in keys) if all(key in row for key in keys) else None
-
-
-def _number(value: Any, form: str) -> str:
-    """A value as text."""
-    return "-" if value is None else format(value, form)
+    rows = [dict(row) | {"axis": row["axis"] or "the scene"} for row in table]
+    for row in rows:
+        if "loss.contact" in row:
+            row["unresolved"] = row["loss.contact"] + row["loss.numerical"]
+    return markdown(title, in_words(rows, columns), told, early_ends(table))
 
 
 def remarks(
-    table: Sequence[Mapping[str, Any]], sweep: Sweep, found: Sequence[Line]
+    table: Sequence[Mapping[str, Any]], found: Sequence[Line], left_out: Sequence[str]
 ) -> Iterator[str]:
-    """Sentences on the axes, then on what went wrong."""
-    for line in found:
-        yield sentence(line, sweep.at)
+    """Sentences on the axes, then on what went wrong and what is left out."""
+    yield from map(sentence, found)
     for row in table:
         if row.get("reason"):
-            at = "" if sweep.at is None else f", {sweep.at.name} {_number(row[sweep.at.name], 'g')}"
-            name = f"{row['axis']} {row['value']:g}{at}" if row["axis"] else "the scene"
+            name = f"{row['axis']} {row['value']:g}" if row["axis"] else "the scene"
             yield f"{name}: {row['status']}: {row['reason']}"
-    for text in sweep.left_out:
-        yield f"left out: {text}"
-
-
-def plain_text(
-    cells: Sequence[Sequence[str]], lines: Sequence[str], first: Sequence[str] = ()
-) -> str:
-    """Table and remarks for a terminal, after what has to be known first."""
-    return "\n".join([*first, *in_columns(cells), "", *lines]) + "\n"
+    yield from (f"left out: {text}" for text in left_out)
 
 
 def markdown(

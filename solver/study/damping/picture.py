@@ -1,9 +1,9 @@
-"""Pictures of the study: restitution against each axis, histories of the angle, calibrations."""
+"""Pictures of the study: restitution against each axis, calibrations."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,32 +14,20 @@ from solver.pictures.style import (
     GREEN,
     GREY,
     ORANGE,
-    PALETTE,
     RED,
-    colour,
     legend_above,
     new_figure,
     zero_line,
 )
-from solver.study.damping.axes import Axis
-from solver.study.damping.calibration import Search, Target, Trial
+from solver.study.damping.calibration import Search, Target
 from solver.study.damping.numbers import Line, Restitution
-from solver.study.tables import groups
 from solver.types import Array
-
-MARKERS = "osD^vP"
 
 FEW_VALUES = 5
 """Values up to this number are all named on their axis."""
 
-APART = 1.04
-"""Factor of the values at which a line is drawn, over those of the line before; not linear ones."""
-
 PANEL_HEIGHT = 2.1
 """Height of one of several panels, in."""
-
-MOST_CURVES = len(PALETTE)
-"""Histories in one panel."""
 
 LEAST_HEIGHT = 0.01
 """Restitutions that a panel shows at least."""
@@ -48,27 +36,25 @@ Angles = tuple[Array, Array]
 """Times (s) and angles (rad)."""
 
 
-def restitution_picture(lines: Sequence[Line], own: Restitution | None, at: Axis | None) -> Figure:
+def restitution_picture(lines: Sequence[Line], own: Restitution | None) -> Figure:
     """Restitution against each axis, a panel for each.
 
     Args:
-        lines: What was measured.
+        lines: What was measured, of each axis.
         own: Restitution of the scene as it is.
-        at: The axis that all is repeated for.
     """
-    swept = groups(lines, lambda line: line.axis.name).values()
-    columns = 1 if len(swept) == 1 else 2
-    rows = math.ceil(len(swept) / columns)
+    columns = 1 if len(lines) == 1 else 2
+    rows = math.ceil(len(lines) / columns)
     figure = new_figure(3.2 if rows == 1 else PANEL_HEIGHT * rows + 0.4)
     panels = figure.subplots(rows, columns, squeeze=False, sharey=True).ravel()
-    for axes, inside in zip(panels, swept, strict=False):
-        _panel(axes, inside, own, at)
-    for axes in panels[len(swept) :]:
+    for axes, line in zip(panels, lines, strict=False):
+        _panel(axes, line, own)
+    for axes in panels[len(lines) :]:
         axes.set_visible(False)
     for axes in panels[::columns]:
         axes.set_ylabel("restitution")
     panels[0].set_ylim(*_heights(lines))
-    legend_above(figure, columns=2 if at is None else 4)
+    legend_above(figure, columns=2)
     return figure
 
 
@@ -80,32 +66,25 @@ def _heights(lines: Sequence[Line]) -> tuple[float, float]:
     return low - margin, high + margin
 
 
-def _panel(axes: Axes, lines: Sequence[Line], own: Restitution | None, at: Axis | None) -> None:
+def _panel(axes: Axes, line: Line, own: Restitution | None) -> None:
     """The points of one axis, the limit, the scene as it is."""
-    axis = lines[0].axis
-    axes.set_xlabel(f"{axis.label}, {axis.meaning}")
-    _scale(axes, sorted({value for line in lines for value in line.values}))
-    apart = 1.0 if axes.get_xscale() == "linear" else APART
-    for number, line in enumerate(lines):
-        mean = np.array(line.means)
-        least = np.array([min(found.known) for found in line.found])
-        largest = np.array([max(found.known) for found in line.found])
-        label = "mean and range of impacts"
-        if at is not None and line.at is not None:
-            label = f"{at.name} {line.at:g}"
-        axes.errorbar(
-            apart**number * np.array(line.values), mean,
-            yerr=np.array([mean - least, largest - mean]), color=colour(number),
-            marker=MARKERS[number % len(MARKERS)], markersize=3.5, capsize=2.5, elinewidth=0.8,
-            linewidth=0.8, label=label,
+    axes.set_xlabel(f"{line.axis.label}, {line.axis.meaning}")
+    _scale(axes, line.values)
+    mean = np.array(line.means)
+    least = np.array([min(found.known) for found in line.found])
+    largest = np.array([max(found.known) for found in line.found])
+    axes.errorbar(
+        line.values, mean, yerr=np.array([mean - least, largest - mean]), color=BLUE, marker="o",
+        markersize=3.5, capsize=2.5, elinewidth=0.8, linewidth=0.8,
+        label="mean and range of impacts",
+    )  # fmt: skip
+    if line.limit is not None:
+        low, high = (line.limit.value + s * line.limit.uncertainty for s in (-1, 1))
+        known = line.limit.source != "scatter"
+        axes.axhspan(
+            low, high, color=GREEN if known else ORANGE, alpha=0.25 if known else 0.15,
+            linewidth=0, label="limit" if known else "range of last three",
         )  # fmt: skip
-        if line.limit is not None:
-            low, high = (line.limit.value + s * line.limit.uncertainty for s in (-1, 1))
-            known = line.limit.source != "scatter"
-            axes.axhspan(
-                low, high, color=GREEN if known else ORANGE, alpha=0.25 if known else 0.15,
-                linewidth=0, label="limit" if known else "range of last three",
-            )  # fmt: skip
     if own is not None and own.mean is not None:
         axes.axhline(own.mean, color=GREY, linewidth=0.7, linestyle=":", label="the scene")
 
@@ -119,27 +98,6 @@ def _scale(axes: Axes, values: Sequence[float]) -> None:
         names = [f"{value:g}".replace("e+", "e").replace("e0", "e") for value in values]
         axes.set_xticks(values, names, fontsize="small")
         axes.set_xticks([], minor=True)
-
-
-def history_picture(curves: Mapping[str, Angles]) -> Figure:
-    """The angles of runs against time, by their labels, in one panel."""
-    figure = new_figure(3.2)
-    axes = figure.subplots()
-    for number, (label, (time, angle)) in enumerate(distinct_curves(curves).items()):
-        axes.plot(time, np.degrees(angle), color=colour(number), linewidth=0.9, label=label)
-    zero_line(axes)
-    axes.set(xlabel="time (s)", ylabel="rocking angle (°)")
-    legend_above(figure, columns=3)
-    return figure
-
-
-def distinct_curves(curves: Mapping[str, Angles]) -> dict[str, Angles]:
-    """Curves that stay distinct: of too many some, evenly chosen, first and last included."""
-    names = list(curves)
-    if len(names) > MOST_CURVES:
-        chosen = np.linspace(0, len(names) - 1, MOST_CURVES).round().astype(int)
-        names = [names[k] for k in chosen]
-    return {name: curves[name] for name in names}
 
 
 def calibration_picture(search: Search, target: Target, label: str, best: Angles | None) -> Figure:
@@ -167,7 +125,8 @@ def _draw_search(axes: Axes, search: Search, target: Target, label: str) -> None
     axes.axhspan(least, largest, color=GREY, alpha=0.12, linewidth=0, label="reach")
     axes.axhline(target.restitution, color=RED, linewidth=0.9, label="target")
     if search.within_reach:
-        low, high = _bracket(search)
+        number = search.trials.index(search.best)
+        low, *_, high = search.trials[max(number - 1, 0) : number + 2]
         axes.axvspan(low.value, high.value, color=ORANGE, alpha=0.18, linewidth=0, label="bracket")
     values = [trial.value for trial in search.trials]
     found = [trial.restitution for trial in search.trials]
@@ -183,12 +142,6 @@ def _draw_search(axes: Axes, search: Search, target: Target, label: str) -> None
             markersize=6, linestyle="none", label="calibrated",
         )  # fmt: skip
     axes.set(xscale="log", xlabel=label, ylabel="restitution")
-
-
-def _bracket(search: Search) -> tuple[Trial, Trial]:
-    """The neighbours of the best run."""
-    number = search.trials.index(search.best)
-    return search.trials[max(number - 1, 0)], search.trials[min(number + 1, len(search.trials) - 1)]
 
 
 def _draw_history(axes: Axes, measured: Angles, best: Angles) -> None:

@@ -70,7 +70,7 @@ class HorizonCase:
             "end_s": first.summary["end_s"],
             "cut_short": cut_short(first.summary),
             "overturned": any(overturned_at(first.history, b) is not None for b in scene.blocks),
-            "peak": max(leans),
+            "peak_angle_over_alpha": max(leans),
             "twins": [],
         }
         for perturbation in self.perturbations if first.status == "completed" else ():
@@ -86,7 +86,7 @@ class HorizonCase:
                 {
                     "perturbation": perturbation,
                     "horizon_s": horizon(scene, first.history, twin.history),
-                    "largest": float(apart.max()),
+                    "largest_difference": float(apart.max()),
                     "time": time[kept].tolist(),
                     "difference": largest,
                 }

@@ -24,20 +24,10 @@ NAMES = (
 
 def twin_rows(rows: Sequence[Row]) -> list[dict[str, Any]]:
     """One row for each twin."""
-    return [
-        {
-            "engine": row["engine"] or "scene",
-            "scale": row["scale"],
-            "end_s": row["end_s"],
-            "peak_angle_over_alpha": row["peak"],
-            "overturned": row["overturned"],
-            "perturbation": twin["perturbation"],
-            "horizon_s": twin["horizon_s"],
-            "largest_difference": twin["largest"],
-        }
-        for row in rows
-        for twin in row["twins"]
-    ]
+    both = (
+        {**row, **twin, "engine": row["engine"] or "scene"} for row in rows for twin in row["twins"]
+    )
+    return [{name: row[name] for name in NAMES} for row in both]
 
 
 def growth(row: Row) -> float | None:
@@ -66,7 +56,7 @@ def as_text(rows: Sequence[Row]) -> str:
         size = f"{row['perturbation']:g}"
         table.append([row["engine"], f"{row['scale']:g}", size, until, largest, peak])
     lines = [*early_ends(rows), *in_columns(table)]
-    if not any(row["overturned"] or row["peak"] > MOVED for row in rows):
+    if not any(row["overturned"] or row["peak_angle_over_alpha"] > MOVED for row in rows):
         lines.append("no block leaves the ground: a stronger motion may have a horizon")
     for run in rows:
         rate = growth(run)

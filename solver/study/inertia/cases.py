@@ -15,6 +15,7 @@ import numpy as np
 
 from solver.errors import NotConverged, SceneError
 from solver.excitation.sampled import SampledMotion
+from solver.reference.answer import refuse_joined
 from solver.run.simulate import simulate
 from solver.scene import parse_scene
 from solver.study.inertia.cells import Cell, Structure, cells_of, chosen, ladder, tables_of
@@ -29,7 +30,7 @@ from solver.study.inertia.numbers import (
     widest,
 )
 from solver.study.inertia.sliding import STEPS, fixed_drifts, jumps, peaks
-from solver.study.scenes import Tables, refuse_components, refuse_joined, scene_tables
+from solver.study.scenes import HERE, Tables, refuse_components, scene_tables
 from solver.study.study import Row, Study, digest
 from solver.study.suite.cases import SuiteCase, scene_of
 from solver.study.suite.motions import SuiteMotion, find_motions
@@ -37,9 +38,6 @@ from solver.study.tables import column_names, groups
 
 COUNT = 300
 """Default number of synthetic motions."""
-
-FIRST = 30
-"""Motions of the first round where as many are taken as an interval needs."""
 
 MOST_CELLS = 12
 """Cells for which finite elements are offered."""
@@ -97,8 +95,6 @@ class SlidingCase:
         found = peaks(changes, step, platform, masses, slides, structure.dynamic * slides)
         both = np.stack(found, axis=-1)
         return {
-            "status": "completed",
-            "reason": "",
             "curve": [fixed_drifts(c, step, platform, load * grid()).tolist() for c in changes],
             "bare": both[:, 0].tolist(),
             "peaks": both[:, 1:].tolist(),
@@ -147,7 +143,7 @@ class BlockCase:
             max(block["peak_angle_rad"] for block in blocks),
             float(any(b["overturned_at_s"] or b["fell_at_s"] for b in blocks)),
         ]
-        return {"status": "completed", "reason": "", "numbers": numbers}
+        return {"numbers": numbers}
 
 
 def block_cases(
@@ -178,11 +174,9 @@ class InertiaStudy(Study[SlidingCase | BlockCase]):
         tables: The scene, without a motion.
         cells: Of the map.
         ladders: Friction from infinity down, for each structure.
-        motions: All that may be used.
+        motions: All of them.
         notes: How they are made up, and what is left out.
         by: Ways to compute besides the sliding block.
-        counts: Numbers of motions, round after round: doubled where intervals decide.
-        count: That of this round.
     """
 
     kind, noun, same = "inertia", "study of inertia", "the same scene"
@@ -191,9 +185,7 @@ class InertiaStudy(Study[SlidingCase | BlockCase]):
     def __init__(self, options: argparse.Namespace):
         """Read the command line, and refuse cells that no way can compute."""
         super().__init__(options)
-        within, path = options.within, options.scene
-        if within is not None and not 0 < within < 1:
-            raise SceneError("--within", f"{within:g}", "0 < W < 1")
+        path = options.scene
         self.tables = scene_tables(options)
         synthetic = not options.motions or "synthetic" in options.motions
         count = COUNT if options.count is None and synthetic else options.count
@@ -203,7 +195,7 @@ class InertiaStudy(Study[SlidingCase | BlockCase]):
             options.motions, motion, count=count, seed=options.seed
         )
         self.scene = parse_scene(self.tables, folder=path.parent, source=path.name)
-        refuse_joined(self.scene)
+        refuse_joined(self.scene, HERE)
         self.by = sorted(set(options.by), reverse=True)
         axes = chosen(options.of)
         self.cells = cells_of(self.scene, axes)
@@ -220,51 +212,38 @@ class InertiaStudy(Study[SlidingCase | BlockCase]):
         for cell in self.cells:
             frictions.setdefault(cell.structure, set()).add(cell.friction)
         self.ladders = {structure: ladder(mus) for structure, mus in frictions.items()}
-        self.counts = [len(self.motions)]
-        if within is not None:
-            doubled = (FIRST * 2**k for k in range(len(self.motions)))
-            self.counts = [c for c in doubled if c < len(self.motions)] + self.counts
-        self.count = self.counts[0]
         self.settings = {"scene": self.scene.to_dict()}
 
-    def key(self, case: SlidingCase | BlockCase) -> str:
-        """Made from what a case computes."""
-        return case.key
-
     def rounds(self) -> Iterator[Sequence[SlidingCase | BlockCase]]:
-        """The sliding blocks, then those of engines; more motions until intervals are narrow."""
-        for self.count in self.counts:
-            yield [case for cases in self.sliding().values() for case in cases]
-            failed = [row for row in self.ordered if row["status"] != "completed"]
-            if failed and not self.lines():
-                raise NotConverged(f"runs of the sliding block failed: {failed[0]['reason']}")
-            yield [case for *_, cases in self.blocks() for case in cases]
-            if self.options.within and widest(self.findings(self.lines())) <= self.options.within:
-                return
+        """The sliding blocks, then those of engines."""
+        yield [case for cases in self.sliding().values() for case in cases]
+        failed = [row for row in self.ordered if row["status"] != "completed"]
+        if failed and not self.lines():
+            raise NotConverged(f"runs of the sliding block failed: {failed[0]['reason']}")
+        yield [case for *_, cases in self.blocks() for case in cases]
 
     def sliding(self) -> dict[Structure, list[SlidingCase]]:
-        """The cases of sliding blocks, structure by structure, for the motions of this round."""
-        motions = self.motions[: self.count]
+        """The cases of sliding blocks, structure by structure."""
         return {
             structure: [
                 SlidingCase(
                     structure=structure,
                     frictions=tuple(frictions),
-                    motions=tuple(motions[first : first + TOGETHER]),
+                    motions=tuple(self.motions[first : first + TOGETHER]),
                     tables=self.tables,
                     folder=self.options.scene.parent,
                 )
-                for first in range(0, self.count, TOGETHER)
+                for first in range(0, len(self.motions), TOGETHER)
             ]
             for structure, frictions in self.ladders.items()
         }
 
     def blocks(self) -> Iterator[tuple[Cell, str, list[BlockCase]]]:
-        """Cell, way to compute, and runs of this round."""
-        motions, folder = self.motions[: self.count], self.options.scene.parent
+        """Cell, way to compute, and runs."""
+        folder = self.options.scene.parent
         for how in self.by:
             for cell in self.cells:
-                yield cell, how, block_cases(cell, motions, self.tables, folder, how)
+                yield cell, how, block_cases(cell, self.motions, self.tables, folder, how)
 
     def lines(self) -> dict[Structure, Line]:
         """All structures; none where a run of the sliding block is missing."""

@@ -6,13 +6,13 @@ import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from solver.errors import SceneError, Statement
 from solver.scene import BlockSpec, Platform, Scene, parse_scene
 from solver.scene.checking import shown
 from solver.scene.time import rounded_down
-from solver.study.scenes import with_model
+from solver.study.scenes import changed, with_model
 from solver.study.study import numbers_by_name
 
 AXES = {
@@ -69,8 +69,7 @@ class Structure:
         )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Cell:
+class Cell(NamedTuple):
     """One place of a map."""
 
     values: tuple[tuple[str, float], ...]
@@ -78,7 +77,7 @@ class Cell:
     structure: Structure
     friction: float
     """mu, or mu g/PGA."""
-    aspect: float | None
+    aspect: float | None = None
     """H/B where the map sets it."""
 
 
@@ -101,8 +100,7 @@ def structure_of(scene: Scene, *, unit_pga: bool) -> tuple[Structure, float]:
     The sliding block by which lambda is followed has a single spring, a horizontal base and
     Coulomb's friction without cohesion.
     """
-    platform = scene.platform() if scene.foundation.kind == "oscillator" else None
-    if platform is None:
+    if scene.foundation.kind != "oscillator":
         raise SceneError("foundation.kind", shown(scene.foundation.kind), '"oscillator"')
     standing = [block for block in scene.blocks if scene.carrier_of(block) is None]
     laws = {scene.friction_of(block) for block in standing}
@@ -119,6 +117,7 @@ def structure_of(scene: Scene, *, unit_pga: bool) -> tuple[Structure, float]:
         raise Statement("scene", "starts with a block in the air; the study starts all at rest")
     if not all(block.begins_at_rest for block in scene.blocks):
         raise Statement("scene", "starts with a tilt or a velocity; the study starts all at rest")
+    platform = scene.platform()
     structure = Structure(
         mass_ratio=scene.carried_mass / platform.mass,
         period=platform.period,
@@ -136,16 +135,10 @@ def cells_of(scene: Scene, axes: Mapping[str, tuple[float, ...]]) -> tuple[Cell,
     base, friction = structure_of(scene, unit_pga=unit_pga)
     made = []
     for combination in itertools.product(*axes.values()):
-        values = dict(zip(axes, combination, strict=True))
-        own: dict[str, Any] = {name: values[name] for name in OF_STRUCTURE if name in values}
-        made.append(
-            Cell(
-                values=tuple(values.items()),
-                structure=replace(base, **own),
-                friction=values.get("friction_over_pga", values.get("friction", friction)),
-                aspect=values.get("aspect"),
-            )
-        )
+        values: dict[str, Any] = dict(zip(axes, combination, strict=True))
+        own = {name: values[name] for name in OF_STRUCTURE if name in values}
+        mu = values.get("friction_over_pga", values.get("friction", friction))
+        made.append(Cell(tuple(values.items()), replace(base, **own), mu, values.get("aspect")))
     return tuple(made)
 
 
@@ -168,28 +161,26 @@ def step_of(blocks: Iterable[BlockSpec], structure: Structure) -> float:
 
 def tables_of(tables: Mapping[str, Any], cell: Cell, model: str) -> dict[str, Any]:
     """The scene of a cell as plain tables; `model`: of all blocks."""
-    made, structure = with_model(tables, model), cell.structure
-    blocks = parse_scene(dict(tables)).blocks
-    made["foundation"] = {
-        "kind": "oscillator",
-        "mass_ratio": structure.mass_ratio,
-        "period": structure.period,
-        "damping_ratio": structure.damping_ratio,
+    structure, friction = cell.structure, cell.friction
+    changes: dict[str, Any] = {
+        "foundation": {
+            "kind": "oscillator",
+            "mass_ratio": structure.mass_ratio,
+            "period": structure.period,
+            "damping_ratio": structure.damping_ratio,
+        },
+        "contact.friction": {"static": friction, "dynamic": structure.dynamic * friction},
     }
-    law = {"static": cell.friction, "dynamic": structure.dynamic * cell.friction}
-    made.setdefault("contact", {})["friction"] = law
-    for block, spec in zip(made["block"], blocks, strict=True):
+    for spec in parse_scene(dict(tables)).blocks:
+        name = spec.name
         if spec.carrier == "foundation":
-            block.pop("friction", None)
+            changes[f"{name}.friction"] = None
         if cell.aspect is not None:
             if not spec.shape.is_even:
-                raise SceneError(
-                    spec.name, "an uneven block", "homogeneous blocks where H/B varies"
-                )
-            block["height"] = cell.aspect * block["width"]
-            block["mass"] = spec.shape.mass
-            block.pop("density", None)
-    time = made.setdefault("time", {})
-    if model == "rigid" and "step" not in time:
-        time["step"] = step_of(parse_scene(made).blocks, structure)
+                raise SceneError(name, "an uneven block", "homogeneous blocks where H/B varies")
+            changes[f"{name}.height"] = cell.aspect * spec.width
+            changes |= {f"{name}.mass": spec.shape.mass, f"{name}.density": None}
+    made = changed(with_model(tables, model), changes)
+    if model == "rigid" and "step" not in made.setdefault("time", {}):
+        made["time"]["step"] = step_of(parse_scene(made).blocks, structure)
     return made

@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, Self
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
 from solver.study.inertia.cells import Cell, Structure
-from solver.study.tables import in_markdown
+from solver.study.tables import Column, in_markdown, in_words
 from solver.types import Array
 
 LEAST, MOST, SPACING = -0.5, 1.5, 0.01
@@ -91,25 +91,38 @@ class Curve:
         return found
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Portion:
+class Portion(NamedTuple):
     """Lambda of a suite of motions, with its interval."""
 
-    value: float | None
+    value: float | None = None
     """The one reported; None: there is none."""
-    roots: tuple[float, ...]
+    roots: tuple[float, ...] = ()
     """All of them."""
-    low: float | None
+    low: float | None = None
     """Lower end of the interval of 90 %."""
-    high: float | None
+    high: float | None = None
     """Upper end of that interval."""
-    without: float
+    without: float = 1.0
     """Share of the resampled suites that have none."""
+    insensitive: bool = False
+    """True if the live load hardly changes the drift."""
 
     @property
     def half_width(self) -> float:
         """Half of the interval; infinite where there is none."""
         return np.inf if self.low is None or self.high is None else (self.high - self.low) / 2
+
+    @property
+    def words(self) -> tuple[str, str]:
+        """The one reported, and the ends of its interval."""
+        if self.value is None or self.low is None or self.high is None:
+            return number(self.value), "-"
+        return number(self.value), f"{number(self.low)} to {number(self.high)}"
+
+
+def number(value: float | None) -> str:
+    """A lambda as a word."""
+    return "none" if value is None else f"{value:.3f}"
 
 
 def resampled(count: int) -> Array:
@@ -120,45 +133,43 @@ def resampled(count: int) -> Array:
     return weights
 
 
-def portions(drifts: Array, targets: Array, weights: Array, *, geometric: bool) -> list[Portion]:
+def portions(drifts: Array, targets: Array, *, geometric: bool) -> list[Portion]:
     """Lambda at each of the targets, followed from the first one, where lambda is 1.
 
     Args:
         drifts: Peak drifts of each motion with the portions of the grid fixed, (n, points).
         targets: Peak drifts of each motion with what slides or rocks, (n, targets).
-        weights: Of the resampled suites, (resamples, n).
         geometric: Take means of the logarithms.
     """
+    if mean_curve(drifts).insensitive:
+        return [Portion(insensitive=True)] * targets.shape[1]
     known = np.all(drifts > 0, axis=0)  # where the structure has a mass that is positive
     axis, curves, aims = grid()[known], drifts[:, known], targets
     if geometric:
         curves, aims = np.log(curves), np.log(targets)
-    own = Curve(axis, curves.mean(axis=0))
-    if Curve(axis, drifts[:, known].mean(axis=0)).insensitive:
-        none = Portion(value=None, roots=(), low=None, high=None, without=1.0)
-        return [none] * targets.shape[1]
-    means = aims.mean(axis=0)
-    values = own.followed(means)
+    own, means, weights = Curve(axis, curves.mean(axis=0)), aims.mean(axis=0), resampled(len(aims))
     those, aimed = weights @ curves, weights @ aims
-    several = [Curve(axis, those[k]).followed(aimed[k]) for k in range(len(weights))]
-    spread = np.array(several)
+    spread = np.array([Curve(axis, those[k]).followed(aimed[k]) for k in range(len(weights))])
     return [
         _portion(value, own.roots(mean), spread[:, j])
-        for j, (value, mean) in enumerate(zip(values, means, strict=True))
+        for j, (value, mean) in enumerate(zip(own.followed(means), means, strict=True))
     ]
+
+
+def mean_curve(drifts: Array) -> Curve:
+    """Mean of the drifts of each motion against lambda, where the structure has a mass."""
+    known = np.all(drifts > 0, axis=0)
+    return Curve(grid()[known], drifts[:, known].mean(axis=0))
 
 
 def _portion(value: float, roots: Array, spread: Array) -> Portion:
     """A value with the interval of those of the resampled suites."""
-    known = spread[np.isfinite(spread)]
-    low, high = np.quantile(known, QUANTILES) if known.size else (np.nan, np.nan)
-    return Portion(
-        value=None if np.isnan(value) else float(value),
-        roots=tuple(float(root) for root in roots),
-        low=float(low) if known.size else None,
-        high=float(high) if known.size else None,
-        without=1 - known.size / spread.size,
-    )
+    known, own = spread[np.isfinite(spread)], None if np.isnan(value) else float(value)
+    without = 1 - known.size / spread.size
+    if not known.size:
+        return Portion(own, tuple(map(float, roots)), without=without)
+    low, high = map(float, np.quantile(known, QUANTILES))
+    return Portion(own, tuple(map(float, roots)), low, high, without)
 
 
 # ---------------------------------------------------------------- cells
@@ -170,8 +181,7 @@ WANTED = 0.05
 """Half of the width that an interval of 90 % should not exceed."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Finding:
+class Finding(NamedTuple):
     """Lambda, drift and base shear of one cell, by one way of computing."""
 
     cell: Cell
@@ -182,18 +192,9 @@ class Finding:
     """lambda by the mean of the peaks, as in the paper."""
     geometric: Portion
     """By the mean of their logarithms."""
-    insensitive: bool
-    """True if the live load hardly changes the drift."""
-    drift: float
-    """Mean peak drift, m; for motions scaled to 1 g, per 1 g."""
-    drift_over_fixed: float
-    """Over that with the whole live load fixed."""
-    drift_over_bare: float
-    """Over that of the empty structure."""
-    shear_over_fixed: float
-    """Mean peak base shear over that with the whole live load fixed."""
-    shear_over_bare: float
-    """Over that of the empty structure."""
+    means: Mapping[str, float]
+    """Mean peak drift, m (for motions scaled to 1 g, per 1 g), over that with the whole live load
+    fixed and over that of the empty structure; the same ratios of the base shear. By columns."""
     overturned: int = 0
     """Runs in which a block overturned or fell."""
 
@@ -201,7 +202,7 @@ class Finding:
     def remark(self) -> str:
         """Remark beside the numbers; empty where there is none."""
         value, said = self.arithmetic.value, []
-        if self.insensitive:
+        if self.arithmetic.insensitive:
             said.append("not reported: the live load changes the drift by less than 1 %")
         elif value is None:
             said.append("none: no portion in the range gives this drift")
@@ -231,36 +232,31 @@ class Line:
     """Peak drift (m), base shear over the platform's mass for each friction, (n, frictions, 2)."""
     bare: Array
     """Peak drift (m) and base shear over the platform's mass of the empty structure, (n, 2)."""
-    weights: Array
-    """Weights of the motions in the resampled suites."""
-    found: Sequence[Sequence[Portion]] = ()
+    found: tuple[list[Portion], ...] = field(init=False)
     """lambda along the ladder by arithmetic and by geometric means."""
+
+    def __post_init__(self) -> None:
+        """Follow lambda along the ladder."""
+        ladder = self.peaks[:, :, 0]
+        both = (portions(self.drifts, ladder, geometric=mean) for mean in (False, True))
+        object.__setattr__(self, "found", tuple(both))
 
     @classmethod
     def of(
         cls, structure: Structure, frictions: Sequence[float], rows: Sequence[Mapping[str, Any]]
     ) -> Self:
         """A line from the rows of its cases, in the order of their motions."""
-
-        def joined(what: str) -> Array:
-            return np.array([values for row in rows for values in row[what]], dtype=float)
-
-        drifts, peaks = np.nan_to_num(joined("curve")), joined("peaks")
-        weights = resampled(len(drifts))
-        found = [portions(drifts, peaks[:, :, 0], weights, geometric=g) for g in (False, True)]
-        return cls(structure, frictions, drifts, peaks, joined("bare"), weights, found)
-
-    @property
-    def mean_curve(self) -> Curve:
-        """Mean drift against lambda where the structure has a mass."""
-        known = np.all(self.drifts > 0, axis=0)
-        return Curve(grid()[known], self.drifts[:, known].mean(axis=0))
+        curve, peaks, bare = (
+            np.array([values for row in rows for values in row[what]], dtype=float)
+            for what in ("curve", "peaks", "bare")
+        )
+        return cls(structure, frictions, np.nan_to_num(curve), peaks, bare)
 
     def finding(self, cell: Cell) -> Finding:
         """The finding of a cell by the sliding block."""
         place = self.frictions.index(cell.friction)
-        pair = tuple(several[place] for several in self.found)
-        return self._finding(cell, SLIDING, self.peaks[:, place, :], pair, slice(None))
+        pair = [several[place] for several in self.found]
+        return self._finding(cell, SLIDING, self.peaks[:, place], pair, slice(None))
 
     def finding_by(self, cell: Cell, by: str, outcomes: Sequence[list[float] | None]) -> Finding:
         """The finding of a cell by runs of blocks; motions whose run failed (None) are left out.
@@ -271,42 +267,32 @@ class Line:
         place = self.frictions.index(cell.friction)
         chosen = np.array([outcome is not None for outcome in outcomes])
         rows = np.array([outcome for outcome in outcomes if outcome is not None])
-        count = int(chosen.sum())
         ladder = self.peaks[chosen, : place + 1, 0]
         targets = np.concatenate((ladder, rows[:, :1]), axis=1)
-        weights = self.weights if count == len(chosen) else resampled(count)
-        pair = tuple(
-            portions(self.drifts[chosen], targets, weights, geometric=mean)[-1]
-            for mean in (False, True)
-        )
-        overturned = int(rows[:, 4].sum())
-        return self._finding(cell, by, rows[:, :2], pair, chosen, overturned)
+        means = (False, True)
+        pair = [portions(self.drifts[chosen], targets, geometric=mean)[-1] for mean in means]
+        return self._finding(cell, by, rows[:, :2], pair, chosen, int(rows[:, 4].sum()))
 
     def _finding(
         self,
         cell: Cell,
         by: str,
         peaks: Array,
-        pair: tuple[Portion, ...],
+        pair: Sequence[Portion],
         chosen: Any,
         overturned: int = 0,
     ) -> Finding:
-        drift, shear = peaks.mean(axis=0)
-        fixed, bare = self.peaks[chosen, 0].mean(axis=0), self.bare[chosen].mean(axis=0)
-        return Finding(
-            cell=cell,
-            by=by,
-            motions=len(peaks),
-            arithmetic=pair[0],
-            geometric=pair[1],
-            insensitive=self.mean_curve.insensitive,
-            drift=float(drift),
-            drift_over_fixed=float(drift / fixed[0]),
-            drift_over_bare=float(drift / bare[0]),
-            shear_over_fixed=float(shear / fixed[1]),
-            shear_over_bare=float(shear / bare[1]),
-            overturned=overturned,
-        )
+        mean, fixed = peaks.mean(axis=0), self.peaks[chosen, 0].mean(axis=0)
+        over_fixed, over_bare = mean / fixed, mean / self.bare[chosen].mean(axis=0)
+        means = {
+            "mean_peak_drift_m": float(mean[0]),
+            "drift_over_fixed": float(over_fixed[0]),
+            "drift_over_bare": float(over_bare[0]),
+            "base_shear_over_fixed": float(over_fixed[1]),
+            "base_shear_over_bare": float(over_bare[1]),
+        }
+        arithmetic, geometric = pair
+        return Finding(cell, by, len(peaks), arithmetic, geometric, means, overturned)
 
 
 def row_of(finding: Finding) -> dict[str, Any]:
@@ -332,11 +318,7 @@ def row_of(finding: Finding) -> dict[str, Any]:
         "lambda_geometric": geometric.value,
         "lambda_geometric_low": geometric.low,
         "lambda_geometric_high": geometric.high,
-        "mean_peak_drift_m": finding.drift,
-        "drift_over_fixed": finding.drift_over_fixed,
-        "drift_over_bare": finding.drift_over_bare,
-        "base_shear_over_fixed": finding.shear_over_fixed,
-        "base_shear_over_bare": finding.shear_over_bare,
+        **finding.means,
         "remark": finding.remark,
     }
 
@@ -358,48 +340,32 @@ def widest(findings: Sequence[Finding]) -> float:
 
 # ---------------------------------------------------------------- tables
 
-HEADING = (
-    *("by", "λ", "90 %", "λ geometric", "90 %", "drift mm", "drift / fixed"),
-    *("base shear / fixed", "base shear / empty", "all roots, remark"),
+COLUMNS = (
+    *(Column("by", "by"), Column("λ", "λ"), Column("λ 90 %", "90 %")),
+    *(Column("geometric", "λ geometric"), Column("geometric 90 %", "90 %")),
+    Column("mean_peak_drift_m", "drift mm", ".2f", 1e3),
+    Column("drift_over_fixed", "drift / fixed", ".3f"),
+    Column("base_shear_over_fixed", "base shear / fixed", ".3f"),
+    Column("base_shear_over_bare", "base shear / empty", ".3f"),
+    Column("said", "all roots, remark"),
 )
-"""Words above the columns that follow those of the axes."""
+"""Columns of the text that follow those of the axes."""
 
 
 def words(findings: Sequence[Finding]) -> list[list[str]]:
     """The most important numbers as words, row by row; the first row is the heading."""
-    axes = [name for name, _ in findings[0].cell.values]
-    return [[*axes, *HEADING], *(_row(finding) for finding in findings)]
+    axes = [Column(name, name, "g") for name, _ in findings[0].cell.values]
+    return in_words(map(_told, findings), [*axes, *COLUMNS])
 
 
-def _row(finding: Finding) -> list[str]:
-    arithmetic, geometric = finding.arithmetic, finding.geometric
-    roots = ", ".join(f"{root:.3f}" for root in arithmetic.roots)
-    several = roots if len(arithmetic.roots) > 1 else ""
-    return [
-        *(f"{value:g}" for _, value in finding.cell.values),
-        finding.by,
-        number(arithmetic.value),
-        interval(arithmetic),
-        number(geometric.value),
-        interval(geometric),
-        f"{1e3 * finding.drift:.2f}",
-        f"{finding.drift_over_fixed:.3f}",
-        f"{finding.shear_over_fixed:.3f}",
-        f"{finding.shear_over_bare:.3f}",
-        "; ".join(part for part in (several, finding.remark) if part),
-    ]
-
-
-def number(value: float | None) -> str:
-    """A lambda as a word."""
-    return "none" if value is None else f"{value:.3f}"
-
-
-def interval(portion: Portion) -> str:
-    """The ends of an interval as words."""
-    if portion.value is None or portion.low is None or portion.high is None:
-        return "-"
-    return f"{number(portion.low)} to {number(portion.high)}"
+def _told(finding: Finding) -> dict[str, Any]:
+    """What the text tells of a finding, besides its row."""
+    roots = finding.arithmetic.roots
+    several = ", ".join(map(number, roots)) if len(roots) > 1 else ""
+    row = row_of(finding) | dict(finding.cell.values)
+    row["λ"], row["λ 90 %"] = finding.arithmetic.words
+    row["geometric"], row["geometric 90 %"] = finding.geometric.words
+    return row | {"said": "; ".join(part for part in (several, finding.remark) if part)}
 
 
 def differences(findings: Sequence[Finding]) -> list[str]:

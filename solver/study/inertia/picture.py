@@ -17,7 +17,8 @@ from solver.pictures.style import (
     zero_line,
 )
 from solver.study.inertia.cells import AXES
-from solver.study.inertia.numbers import SLIDING, Finding, Line, number
+from solver.study.inertia.numbers import SLIDING, Finding, Line, mean_curve, number
+from solver.study.tables import groups
 
 MOST_LINES = 6
 """Structures whose curves of drift are drawn."""
@@ -48,8 +49,9 @@ def lambda_picture(findings: Sequence[Finding]) -> Figure:
 
 
 def shear_picture(findings: Sequence[Finding]) -> Figure:
-    """Base shear against the last axis."""
-    return curves_picture(findings, of_shear, "base shear / that of the fixed live load")
+    """Base shear over that with the whole live load fixed against the last axis."""
+    label = "base shear / that of the fixed live load"
+    return curves_picture(findings, lambda f: (f.means["base_shear_over_fixed"],) * 3, label)
 
 
 def of_lambda(finding: Finding) -> tuple[float, float, float] | None:
@@ -60,42 +62,30 @@ def of_lambda(finding: Finding) -> tuple[float, float, float] | None:
     return portion.value, min(portion.low, portion.value), max(portion.high, portion.value)
 
 
-def of_shear(finding: Finding) -> tuple[float, float, float] | None:
-    """Base shear over that with the whole live load fixed."""
-    ratio = finding.shear_over_fixed
-    return ratio, ratio, ratio
-
-
 def curves_picture(findings: Sequence[Finding], value: Value, label: str) -> Figure:
     """A value against the last axis, a curve for each value of the one before."""
     figure = new_figure(3.8)
     axes = figure.subplots()
-    axes.set_title(_others(findings[0]), loc="left")
-    names = [name for name, _ in findings[0].cell.values[-2:]]
-    first = names[0] if len(names) > 1 else None
-    heights = dict.fromkeys(f.cell.values[-2][1] if first else None for f in findings)
-    for place, height in enumerate(heights):
-        for by in dict.fromkeys(f.by for f in findings):
-            chosen = [
-                f
-                for f in findings
-                if f.by == by and (height is None or f.cell.values[-2][1] == height)
-            ]
-            word = f"{NAMES[first]} {height:g}{UNITS.get(first, '')}" if first else by
-            beside = place - (len(heights) - 1) / 2
-            named = by == SLIDING or height is None
+    axes.set_title(_named(findings[0].cell.values[:-2]), loc="left")
+    families = groups(findings, lambda finding: finding.cell.values[-2:-1])
+    for place, (height, family) in enumerate(families.items()):
+        beside = place - (len(families) - 1) / 2
+        for by, chosen in groups(family, lambda finding: finding.by).items():
+            named = by == SLIDING or not height
+            word = _named(height) or by
             _curve(axes, chosen, value, colour(place), beside, word if named else None)
-    axes.set(xlabel=AXES[names[-1]], ylabel=label)
-    if any(f.by != SLIDING for f in findings):
-        others = " and ".join(dict.fromkeys(f.by for f in findings if f.by != SLIDING))
-        axes.plot([], [], "o", markerfacecolor="none", color=GREY, label=others)
+    axes.set(xlabel=AXES[findings[0].cell.values[-1][0]], ylabel=label)
+    others = dict.fromkeys(f.by for f in findings if f.by != SLIDING)
+    if others:
+        words = " and ".join(others)
+        axes.plot([], [], "o", markerfacecolor="none", color=GREY, label=words)
     legend_above(figure, columns=4)
     return figure
 
 
-def _others(finding: Finding) -> str:
-    """The values of the axes before the last two in words."""
-    return ", ".join(f"{NAMES[n]} {v:g}{UNITS.get(n, '')}" for n, v in finding.cell.values[:-2])
+def _named(values: Sequence[tuple[str, float]]) -> str:
+    """Values of axes in words."""
+    return ", ".join(f"{NAMES[name]} {v:g}{UNITS.get(name, '')}" for name, v in values)
 
 
 def _curve(
@@ -157,7 +147,8 @@ def map_picture(findings: Sequence[Finding]) -> Figure:
     axes.set_xticks(range(len(columns)), [f"{value:g}" for value in columns])
     axes.set_yticks(range(len(rows)), [f"{value:g}" for value in rows])
     axes.grid(visible=False)
-    axes.set_title(", ".join(filter(None, (findings[0].by, _others(findings[0])))), loc="left")
+    others = _named(findings[0].cell.values[:-2])
+    axes.set_title(", ".join(filter(None, (findings[0].by, others))), loc="left")
     axes.set(xlabel=AXES[across], ylabel=AXES[up])
     figure.colorbar(image, ax=axes, label="λ", fraction=0.05, pad=0.02)
     return figure
@@ -171,7 +162,7 @@ def roots_picture(lines: Sequence[Line], findings: Sequence[Finding]) -> Figure:
     figure = new_figure(3.8)
     axes = figure.subplots()
     for place, line in enumerate(lines[:MOST_LINES]):
-        curve = line.mean_curve
+        curve = mean_curve(line.drifts)
         fixed = float(line.peaks[:, 0, 0].mean())
         structure = line.structure
         name = f"T {structure.period:g} s, mass ratio {structure.mass_ratio:g}"
@@ -182,7 +173,7 @@ def roots_picture(lines: Sequence[Line], findings: Sequence[Finding]) -> Figure:
             for root in f.arithmetic.roots:
                 reported = f.arithmetic.value is not None and abs(root - f.arithmetic.value) < 1e-9
                 axes.plot(
-                    root, f.drift_over_fixed, "o", color=colour(place),
+                    root, f.means["drift_over_fixed"], "o", color=colour(place),
                     markersize=4 if reported else 6,
                     markerfacecolor=colour(place) if reported else "none",
                 )  # fmt: skip

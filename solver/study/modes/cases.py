@@ -160,18 +160,17 @@ class ModesCase:
         for friction, scene in zip(self.frictions, self.scenes, strict=True):
             found, shape = onset(scene, self.acceleration), scene.blocks[0].shape
             mode = found.mode(shape, self.acceleration, scene.gravity)
-            point = {"friction": friction, "mode": mode, "turn": found.turn, "slip": found.slip}
+            point = {"friction": friction, "mode": mode}
+            point |= {"turn_rad_s2": found.turn, "slip_m_s2": found.slip}
             if self.engine == "elastic":
                 rigid = ramped_onset(rigid_of(scene), self.acceleration)
-                point |= {"rigid_turn": rigid.turn, "rigid_slip": rigid.slip}
+                point |= {"rigid_turn_rad_s2": rigid.turn, "rigid_slip_m_s2": rigid.slip}
             points.append(point)
         return {
-            "status": "completed",
-            "reason": "",
             "engine": self.engine,
             "ratio": self.ratio,
             "width": self.scenes[0].blocks[0].width,
-            "acceleration": self.acceleration,
+            "acceleration_g": self.acceleration,
             "points": points,
         }
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from geometry.block import Block
 from solver.reference.initiation import initial_accelerations, initial_mode, near_boundary
-from solver.study.tables import groups, in_columns
+from solver.study.tables import Column, groups, in_columns, in_words
 
 Row = dict[str, Any]
 
@@ -21,6 +21,23 @@ NAMES = (
 )
 """Columns of the table."""
 
+ERRORS = (
+    ("slide", "slip_m_s2", "slide_slip"),
+    ("rock", "turn_rad_s2", "rock_turn"),
+    ("slide-rock", "turn_rad_s2", "slide_rock_turn"),
+    ("slide-rock", "slip_m_s2", "slide_rock_slip_m_s2"),
+)
+"""Mode, number and name of the errors of a map; that in m/s^2 is not relative."""
+
+COLUMNS = (
+    *(Column("engine", "engine"), Column("ratio", "H/B", "g"), Column("points", "points")),
+    *(Column("judged", "judged"), Column("agree", "agree"), Column("against", "errors against")),
+    *(Column("slide_slip", "slide s''", ".3%"), Column("rock_turn", "rock theta''", ".3%")),
+    Column("slide_rock_turn", "slide-rock theta''", ".3%"),
+    Column("slide_rock_slip_m_s2", "slide-rock s'' m/s2", ".4f"),
+)
+"""Those of the text."""
+
 
 def points_of(rows: Sequence[Mapping[str, Any]], gravity: float) -> list[Row]:
     """One row for each point of the rows of completed cases; gravity g in m/s^2."""
@@ -29,26 +46,20 @@ def points_of(rows: Sequence[Mapping[str, Any]], gravity: float) -> list[Row]:
 
 def _point(row: Mapping[str, Any], point: Mapping[str, Any], gravity: float) -> Row:
     """A point beside what is expected of it."""
-    width = row["width"]
-    ratio, a, mu = row["ratio"], row["acceleration"], point["friction"]
+    width, ratio, a, mu = row["width"], row["ratio"], row["acceleration_g"], point["friction"]
     shape = Block(width=width, height=ratio * width, thickness=1.0, density=1.0)
     turn, slip = initial_accelerations(a, mu, shape, gravity)
     expected = initial_mode(a, mu, ratio)
     return {
-        "engine": row["engine"],
-        "ratio": ratio,
-        "acceleration_g": a,
-        "friction": mu,
-        "mode": point["mode"],
+        **{name: row[name] for name in ("engine", "ratio", "acceleration_g")},
         "expected": expected,
         "judged": not near_boundary(a, mu, ratio, BAND),
         "agrees": point["mode"] == expected,
-        "turn_rad_s2": point["turn"],
         "expected_turn_rad_s2": turn,
-        "slip_m_s2": point["slip"],
         "expected_slip_m_s2": slip,
-        "rigid_turn_rad_s2": point.get("rigid_turn", point["turn"]),
-        "rigid_slip_m_s2": point.get("rigid_slip", point["slip"]),
+        "rigid_turn_rad_s2": point["turn_rad_s2"],
+        "rigid_slip_m_s2": point["slip_m_s2"],
+        **point,
     }
 
 
@@ -75,41 +86,21 @@ def _map(points: Sequence[Row]) -> Row:
         "agree": len(right),
     }
     for what in ("expected", "rigid"):
-        found |= {
-            f"{what}_slide_slip": _worst(right, "slide", "slip_m_s2", what),
-            f"{what}_rock_turn": _worst(right, "rock", "turn_rad_s2", what),
-            f"{what}_slide_rock_turn": _worst(right, "slide-rock", "turn_rad_s2", what),
-            f"{what}_slide_rock_slip_m_s2": max(
-                (
-                    abs(point["slip_m_s2"] - point[f"{what}_slip_m_s2"])
-                    for point in right
-                    if point["mode"] == "slide-rock"
-                ),
-                default=None,
-            ),
-        }
+        for mode, key, name in ERRORS:
+            own = [(p[key], p[f"{what}_{key}"]) for p in right if p["mode"] == mode]
+            relative = name != "slide_rock_slip_m_s2"
+            errors = (abs(value / to - 1) if relative else abs(value - to) for value, to in own)
+            found[f"{what}_{name}"] = max(errors, default=None)
     return found
-
-
-def _worst(points: Sequence[Row], mode: str, key: str, what: str) -> float | None:
-    """Largest relative error of a number over the points in a mode; None without one."""
-    errors = [abs(p[key] / p[f"{what}_{key}"] - 1) for p in points if p["mode"] == mode]
-    return max(errors, default=None)
 
 
 def as_text(maps: Sequence[Row]) -> str:
     """The maps as text."""
-    heading = ("engine", "H/B", "points", "judged", "agree", "errors against")
-    errors = ("slide s''", "rock theta''", "slide-rock theta''", "slide-rock s'' m/s2")
-    table: list[Sequence[str]] = [heading + errors]
-    for found in maps:
-        counts = [str(found[key]) for key in ("points", "judged", "agree")]
-        for what, words in (("expected", "closed forms"), ("rigid", "rigid, same ramp")):
-            if what == "rigid" and found["engine"] == "rigid":
-                continue
-            keys = (f"{what}_{name}" for name in ("slide_slip", "rock_turn", "slide_rock_turn"))
-            cells = ["-" if (e := found[key]) is None else f"{100 * e:.3f} %" for key in keys]
-            slip = found[f"{what}_slide_rock_slip_m_s2"]
-            last = "-" if slip is None else f"{slip:.4f}"
-            table.append([found["engine"], f"{found['ratio']:g}", *counts, words, *cells, last])
-    return "\n".join(in_columns(table)) + "\n"
+    against = {"expected": "closed forms", "rigid": "rigid, same ramp"}
+    rows = [
+        found | {"against": words} | {name: found[f"{what}_{name}"] for *_, name in ERRORS}
+        for found in maps
+        for what, words in against.items()
+        if what != "rigid" or found["engine"] != "rigid"
+    ]
+    return "\n".join(in_columns(in_words(rows, COLUMNS))) + "\n"

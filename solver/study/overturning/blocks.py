@@ -1,4 +1,4 @@
-"""Blocks under a pulse up to where their fate is certain: rigid, by Housner's equation, elastic.
+"""Blocks under a pulse up to where their fate is certain: rigid and elastic.
 
 Amplitudes are over g tan alpha, frequencies omega over p.
 """
@@ -17,7 +17,6 @@ import numpy as np
 from geometry.block import SIDES, Block
 from solver.excitation.kinds import base_motion
 from solver.excitation.pulses import Pulse
-from solver.reference.housner import housner, housner_restitution
 from solver.rigid.system import RigidSystem
 from solver.run.simulate import simulate
 from solver.scene import Scene
@@ -110,7 +109,7 @@ class Upright:
 
     def restitution(self, angle: float) -> float:
         """E of the impact that ends a lean by an angle, on the other edge."""
-        return self.given or max(0.0, housner_restitution(self.shape, -_side(angle)))
+        return self.given or max(0.0, self.shape.restitution(-_side(angle)))
 
     def stays(self, energy: float, angle: float) -> bool:
         """True if the block leans by less than alpha, without the energy (J) to go beyond."""
@@ -228,30 +227,6 @@ def _impacts(angle: Array, least: float) -> int:
     """Impacts of a block: ends of swings with angles larger than the least one, rad."""
     sides = np.sign(angle[np.abs(angle) > least])
     return int(np.count_nonzero(np.diff(sides)))
-
-
-# ---------------------------------------------------------------- Housner's equation
-
-ODE_STEPS = 40
-"""Steps of Housner's equation in the pulse, at least; the integrator also takes shorter ones."""
-
-ODE_LATEST = 25.0
-"""Time after the pulse up to which the equation is solved, times p."""
-
-
-def housner_fate(scene: Scene, kind: PulseKind, frequency: float, amplitude: float) -> str:
-    """Fate of a scene's rigid block under one pulse by Housner's equation, as `elastic_fate`."""
-    upright = Upright.of(scene)
-    pulse = kind.motion(amplitude * upright.unit, frequency * upright.frequency)
-    found = housner(
-        upright.shape,
-        gravity=scene.gravity,
-        end=pulse.stop + ODE_LATEST / upright.frequency,
-        step=pulse.stop / ODE_STEPS,
-        acceleration=pulse.acceleration,
-        restitution=upright.given or None,
-    )
-    return fate_of(overturns=found.overturned, impacts=len(found.impacts))
 
 
 # ---------------------------------------------------------------- an elastic block

@@ -6,7 +6,7 @@ Frequencies are added where the intervals of two neighbours differ.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from itertools import pairwise, product
@@ -15,14 +15,8 @@ import numpy as np
 
 from geometry.block import SIDES
 from solver.errors import SceneError, Statement
-from solver.reference.housner import housner_restitution
 from solver.scene import Scene
-from solver.study.overturning.blocks import (
-    PULSES,
-    RigidUnderPulses,
-    elastic_fate,
-    housner_fate,
-)
+from solver.study.overturning.blocks import PULSES, RigidUnderPulses, elastic_fate
 from solver.study.overturning.boundaries import STAYS, Boundary, boundaries, near
 from solver.study.overturning.numbers import NAMES, as_text, boundary_rows, differences, kinds
 from solver.study.scenes import Tables, is_elastic, standing_block, variant
@@ -31,7 +25,10 @@ from solver.study.study import Row, Study, numbers, words
 ENOUGH_FRICTION = 1.7
 """Friction with which no block slides that a sudden acceleration can rock (Shenton 1996)."""
 
-TOLERANCE = {"rigid": 1e-5, "ode": 5e-5, "elastic": 2e-3}
+MOST_FREQUENCIES = 6
+"""Frequencies for which there is a picture over restitution."""
+
+TOLERANCE = {"rigid": 1e-5, "elastic": 2e-3}
 """Relative, of the amplitudes of boundaries."""
 
 
@@ -40,13 +37,13 @@ class OverturningCase:
     """One engine, one pulse, one frequency, one restitution.
 
     Attributes:
-        engine: "rigid", "ode" or "elastic".
+        engine: "rigid" or "elastic".
         pulse: Its kind.
         frequency: omega/p.
         restitution: e of a rigid block; None: plastic impacts, or an elastic block.
         tables: The scene.
         amplitudes: Over g tan alpha: of the scan of a rigid block, increasing.
-        rigid: For the other engines, the boundaries of the rigid block: amplitude, below, above.
+        rigid: Of an elastic block, the boundaries of the rigid one: amplitude, below, above.
     """
 
     engine: str
@@ -70,35 +67,21 @@ class OverturningCase:
 
     def run(self) -> Row:
         """Find the boundaries on one process; the row of the case, with a list of them."""
-        pulse, scene = PULSES[self.pulse], self.scene()
+        pulse, tolerance = PULSES[self.pulse], TOLERANCE[self.engine]
         if self.engine == "rigid":
-            block = RigidUnderPulses(scene, pulse, self.frequency)
-            found = boundaries(block, self.amplitudes, TOLERANCE["rigid"])
-        elif self.engine == "ode":
-            found = self._beside(partial(housner_fate, scene, pulse, self.frequency), self.rigid)
+            block = RigidUnderPulses(self.scene(), pulse, self.frequency)
+            found = boundaries(block, self.amplitudes, tolerance)
         else:
-            known = [edge for edge in self.rigid if STAYS in edge]
-            found = self._beside(partial(elastic_fate, self.tables, pulse, self.frequency), known)
+            fate = partial(elastic_fate, self.tables, pulse, self.frequency)
+            ends = ((near(fate, *edge, tolerance), edge) for edge in self.rigid if STAYS in edge)
+            found = [Boundary(sum(both) / 2, *edge[1:]) for both, edge in ends if both]
         return {
-            "status": "completed",
-            "reason": "",
             "engine": self.engine,
             "pulse": self.pulse,
             "frequency": self.frequency,
             "restitution": self.restitution,
             "boundaries": [asdict(each) for each in found],
         }
-
-    def _beside(
-        self, fate: Callable[[float], str], rigid: Iterable[tuple[float, str, str]]
-    ) -> list[Boundary]:
-        """The boundaries of another engine next to those of the rigid block."""
-        found = []
-        for amplitude, below, above in rigid:
-            ends = near(fate, amplitude, below, above, TOLERANCE[self.engine])
-            if ends is not None:
-                found.append(Boundary(sum(ends) / 2, below, above))
-        return found
 
 
 def scan(low: float, high: float, samples: int) -> tuple[float, ...]:
@@ -112,10 +95,10 @@ class OverturningStudy(Study[OverturningCase]):
     Attributes:
         tables: The scene.
         pulses: Their kinds.
-        frequencies: omega/p, increasing, also those of the other engines.
+        frequencies: omega/p, increasing, also those of elastic blocks.
         restitutions: e of rigid blocks; None: that of the scene, or plastic impacts.
         amplitudes: Of the scan, over g tan alpha.
-        beside: Frequencies at which other engines run, too: "ode", "elastic".
+        elastic: Frequencies at which elastic blocks run, too.
     """
 
     kind, noun = "overturning", "study of overturning"
@@ -136,18 +119,17 @@ class OverturningStudy(Study[OverturningCase]):
         self.tables = standing_block(options)
         if options.elastic and not is_elastic(self.tables):
             raise Statement("block", "has no young and poisson, which --elastic needs")
-        given = {"ode": options.ode, "elastic": options.elastic}
-        self.beside = {name: numbers(f"--{name}", text) for name, text in given.items() if text}
+        self.elastic = numbers("--elastic", options.elastic)
         self.pulses = words("--pulses", options.pulses, tuple(PULSES))
         own = numbers("--frequencies", options.frequencies)
-        self.frequencies = sorted({*own, *(f for several in self.beside.values() for f in several)})
+        self.frequencies = sorted({*own, *self.elastic})
         self.restitutions = restitutions or [self.tables["block"][0].get("restitution")]
         self.amplitudes = scan(scanned[0], scanned[-1], len(scanned))
         scene = variant(self.tables).to_dict()
         self.settings = {"scene": scene, "amplitudes": list(self.amplitudes)}
 
     def rounds(self) -> Iterator[Sequence[OverturningCase]]:
-        """Rigid blocks, those between neighbours that differ, the other engines."""
+        """Rigid blocks, those between neighbours that differ, elastic ones."""
         yield [
             self._rigid(pulse, frequency, e)
             for pulse in self.pulses
@@ -156,7 +138,7 @@ class OverturningStudy(Study[OverturningCase]):
         ]
         for _ in range(self.options.rounds):
             yield list(self._between())
-        yield list(self._others())
+        yield list(self._elastic())
 
     def _rigid(self, pulse: str, frequency: float, restitution: float | None) -> OverturningCase:
         """The case of a rigid block."""
@@ -179,19 +161,15 @@ class OverturningStudy(Study[OverturningCase]):
                         middle = (low["frequency"] + high["frequency"]) / 2
                         yield self._rigid(pulse, float(f"{middle:.6g}"), e)
 
-    def _others(self) -> Iterator[OverturningCase]:
-        """The other engines, at the boundaries of the rigid block."""
-        for engine, frequencies in self.beside.items():
-            restitutions = self.restitutions if engine == "ode" else self.restitutions[:1]
-            for pulse, e, frequency in product(self.pulses, restitutions, frequencies):
-                case = self._rigid(pulse, frequency, e)
-                row = self.rows.get(case.name, {})
-                if row.get("status") == "completed":
-                    edges = ((b["amplitude"], b["below"], b["above"]) for b in row["boundaries"])
-                    own = None if engine == "elastic" else e
-                    yield replace(
-                        case, engine=engine, restitution=own, amplitudes=(), rigid=tuple(edges)
-                    )
+    def _elastic(self) -> Iterator[OverturningCase]:
+        """Elastic blocks, at the boundaries of the rigid one."""
+        for pulse, frequency in product(self.pulses, self.elastic):
+            case = self._rigid(pulse, frequency, self.restitutions[0])
+            row = self.rows.get(case.name, {})
+            if row.get("status") == "completed":
+                edges = ((b["amplitude"], b["below"], b["above"]) for b in row["boundaries"])
+                made = replace(case, engine="elastic", restitution=None)
+                yield replace(made, amplitudes=(), rigid=tuple(edges))
 
     def write(self) -> str:
         """Write the boundaries, differences from the rigid block, the pictures."""
@@ -208,21 +186,19 @@ class OverturningStudy(Study[OverturningCase]):
 
     def _draw(self, done: list[Row]) -> None:
         """Draw the pictures."""
-        from solver.study.overturning.picture import overturning_picture, restitution_picture
+        from solver.study.overturning.picture import overturning_picture
 
-        e = self.restitutions[0]
+        e, top = self.restitutions[0], self.amplitudes[-1]
         rigid = [row for row in done if row["engine"] == "rigid"]
         first = [row for row in rigid if row["restitution"] == e]
-        others = [
-            row
-            for row in done
-            if row["engine"] == "elastic" or (row["engine"] == "ode" and row["restitution"] == e)
-        ]
-        if len({row["frequency"] for row in first}) > 1:
-            told = others, self._title(e), self.amplitudes[-1]
-            self.draw("overturning.png", overturning_picture, first, *told)
-        if len(self.restitutions) > 1 and len({row["frequency"] for row in rigid}) <= 6:
-            self.draw("restitution.png", restitution_picture, rigid, self._title())
+        elastic = [row for row in done if row["engine"] == "elastic"]
+        frequencies = {row["frequency"] for row in rigid}
+        if len(frequencies) > 1:
+            told = elastic, self._title(e), top
+            self.draw("overturning.png", overturning_picture, "frequency", first, *told)
+        if len(self.restitutions) > 1 and len(frequencies) <= MOST_FREQUENCIES:
+            told = [], self._title(), top
+            self.draw("restitution.png", overturning_picture, "restitution", rigid, *told)
 
     def _title(self, restitution: float | None = None) -> str:
         """Slenderness, restitution and friction of the rigid block, in words."""
@@ -230,7 +206,7 @@ class OverturningStudy(Study[OverturningCase]):
         block = scene.blocks[0]
         parts = [f"H/B = {block.height / block.width:g}"]
         if len(self.restitutions) == 1 or restitution is not None:
-            own = [max(0.0, housner_restitution(block.shape, side)) for side in SIDES]
+            own = [max(0.0, block.shape.restitution(side)) for side in SIDES]
             given = [restitution] if restitution else dict.fromkeys(own)
             parts.append(f"e = {' and '.join(f'{each:.4g}' for each in given)}")
             if restitution is None:

@@ -7,7 +7,7 @@ from typing import Any
 
 from solver.reference.pulses import half_sine_threshold, one_sine_threshold
 from solver.study.overturning.boundaries import DIRECTLY, STAYS
-from solver.study.tables import in_columns
+from solver.study.tables import Column, in_columns, in_words
 
 Row = dict[str, Any]
 
@@ -22,41 +22,31 @@ LINEAR = {"half_sine": half_sine_threshold, "one_sine": one_sine_threshold}
 
 
 def boundary_rows(rows: Sequence[Mapping[str, Any]], first: float | None) -> list[Row]:
-    """One row for each boundary.
+    """One row for each boundary, beside that of the rigid block and of the linear one.
 
     Args:
         rows: Rows of completed cases.
         first: The restitution of rigid blocks that elastic ones are compared with.
     """
-    rigid = {(r["pulse"], r["frequency"], r["restitution"]): r for r in rows if _rigid(r)}
+    own = [row for row in rows if row["engine"] == "rigid" and row["restitution"] == first]
+    rigid = {(row["pulse"], row["frequency"]): row["boundaries"] for row in own}
     found = []
     for row in rows:
-        e = first if row["engine"] == "elastic" else row["restitution"]
-        beside = rigid.get((row["pulse"], row["frequency"], e))
+        beside = rigid.get((row["pulse"], row["frequency"]), ()) if row["engine"] != "rigid" else ()
         found += [_boundary(row, edge, beside) for edge in row["boundaries"]]
     return found
 
 
-def _rigid(row: Mapping[str, Any]) -> bool:
-    return bool(row["engine"] == "rigid")
-
-
 def _boundary(
-    row: Mapping[str, Any], edge: Mapping[str, Any], beside: Mapping[str, Any] | None
+    row: Mapping[str, Any], edge: Mapping[str, Any], beside: Sequence[Mapping[str, Any]]
 ) -> Row:
-    """A boundary, beside that of the rigid block and of the linear one."""
-    made = {name: row[name] for name in ("engine", "pulse", "frequency", "restitution")}
-    made |= edge
-    direct = (edge["below"], edge["above"]) == (STAYS, DIRECTLY)
-    if direct and row["pulse"] in LINEAR:
+    """A boundary, with the nearest of its kind beside it."""
+    names = ("engine", "pulse", "frequency", "restitution")
+    made = {name: row[name] for name in names} | dict(edge)
+    kind = edge["below"], edge["above"]
+    if kind == (STAYS, DIRECTLY) and row["pulse"] in LINEAR:
         made["linear_threshold"] = LINEAR[row["pulse"]](row["frequency"])
-    if beside is None or _rigid(row):
-        return made
-    same = [
-        other["amplitude"]
-        for other in beside["boundaries"]
-        if (other["below"], other["above"]) == (edge["below"], edge["above"])
-    ]
+    same = [e["amplitude"] for e in beside if (e["below"], e["above"]) == kind]
     if same:
         nearest = min(same, key=lambda other: abs(other - edge["amplitude"]))
         made["rigid_amplitude"] = nearest
@@ -64,21 +54,18 @@ def _boundary(
     return made
 
 
+COLUMNS = (
+    *(Column("engine", "engine"), Column("pulse", "pulse"), Column("frequency", "omega/p", "g")),
+    *(Column("below", "below"), Column("above", "above"), Column("amplitude", "amplitude", ".4f")),
+    *(Column("rigid_amplitude", "rigid", ".4f"), Column("difference", "difference", "+.3%")),
+)
+"""Those of the text."""
+
+
 def as_text(edges: Sequence[Row]) -> str:
-    """The comparisons with other engines as text, and largest differences."""
-    table: list[Sequence[str]] = [
-        ("engine", "pulse", "omega/p", "below", "above", "amplitude", "rigid", "difference")
-    ]
-    for edge in (edge for edge in edges if "difference" in edge):
-        table.append(
-            (
-                *(edge["engine"], edge["pulse"], f"{edge['frequency']:g}"),
-                *(edge["below"], edge["above"]),
-                *(f"{edge['amplitude']:.4f}", f"{edge['rigid_amplitude']:.4f}"),
-                f"{100 * edge['difference']:+.3f} %",
-            )
-        )
-    lines = in_columns(table, left=5) if len(table) > 1 else []
+    """The comparisons with elastic blocks as text."""
+    compared = [edge for edge in edges if "difference" in edge]
+    lines = in_columns(in_words(compared, COLUMNS), left=5) if compared else []
     lines.append(f"{sum(edge['engine'] == 'rigid' for edge in edges)} boundaries of rigid blocks")
     return "\n".join(lines) + "\n"
 

@@ -340,7 +340,7 @@ class SuiteStudy(Study[SuiteCase]):
             failed = [row for row in rows if row["status"] != "completed"]
             lines = numbers.remarks(failed, varied) + numbers.cautions(rows, varied) + self.notes
             told = self._write_ensemble(rows, text, found)
-            return told + "".join(f"{line}\n" for line in lines)
+            return "\n".join([told, *lines, ""])
         self.leave(rows, text, found)
         if len(rows) == len(self.cases):
             from solver.study.suite.picture import panels_of, suite_picture

@@ -16,27 +16,30 @@ from typing import Any
 import numpy as np
 
 from solver.results.report import ROUND_OFF
-from solver.study.tables import Row, column_names, groups, in_columns
+from solver.study.tables import Column, Row, column_names, groups, in_columns, in_words
 from solver.types import Array
 
-#: Columns of the text: end of the name in the CSV, heading, factor, format; `NAME.` of a block.
-SHOWN = (
-    ("pga_g", "PGA g", 1.0, ".3f"),
-    ("pga_second_g", "along y", 1.0, ".3f"),
-    ("pga_vertical_g", "vertical", 1.0, ".3f"),
-    ("platform.peak_drift_m", "drift mm", 1e3, ".3f"),
-    ("reference.platform.peak_drift_m", "reference", 1e3, ".3f"),
-    ("platform.peak_drift_ratio", "ratio", 1.0, ".4f"),
-    (".peak_angle_rad", "angle rad", 1.0, ".3g"),
-    (".peak_angle_ratio", "ratio", 1.0, ".4f"),
-    (".peak_slip_m", "slip mm", 1e3, ".3f"),
-    (".peak_slip_ratio", "ratio", 1.0, ".4f"),
-    (".residual_slip_m", "residual", 1e3, ".3f"),
-    (".mode", "mode", None, ""),
-    (".overturned_at_s", "overturned s", 1.0, ".3f"),
-    (".fell_at_s", "fell s", 1.0, ".3f"),
-    ("wall_s", "wall s", 1.0, ".1f"),
+SHOWN = tuple(
+    Column(key, heading, form, factor, least=ROUND_OFF)
+    for key, heading, form, factor in (
+        ("pga_g", "PGA g", ".3f", 1.0),
+        ("pga_second_g", "along y", ".3f", 1.0),
+        ("pga_vertical_g", "vertical", ".3f", 1.0),
+        ("platform.peak_drift_m", "drift mm", ".3f", 1e3),
+        ("reference.platform.peak_drift_m", "reference", ".3f", 1e3),
+        ("platform.peak_drift_ratio", "ratio", ".4f", 1.0),
+        (".peak_angle_rad", "angle rad", ".3g", 1.0),
+        (".peak_angle_ratio", "ratio", ".4f", 1.0),
+        (".peak_slip_m", "slip mm", ".3f", 1e3),
+        (".peak_slip_ratio", "ratio", ".4f", 1.0),
+        (".residual_slip_m", "residual", ".3f", 1e3),
+        (".mode", "mode", "", 1.0),
+        (".overturned_at_s", "overturned s", ".3f", 1.0),
+        (".fell_at_s", "fell s", ".3f", 1.0),
+        ("wall_s", "wall s", ".1f", 1.0),
+    )
 )
+"""Columns of the text; keys that begin with a dot are of each block."""
 
 MOST_CAUTIONS = 10
 """Number of cases whose cautions are printed; those of all others stand in the table."""
@@ -56,25 +59,18 @@ QUANTILES = (0.16, 0.5, 0.84)
 
 def as_text(rows: Sequence[Row], varied: Sequence[str], notes: Sequence[str] = ()) -> str:
     """The most important numbers, the means of the ratios, what went wrong, and what is noted."""
-    names = column_names(rows)
-    there = [key for key in names if any(row.get(key) is not None for row in rows)]
-    named = ["motion", *varied, "status"]
-    chosen: list[tuple[str, str, float | None, str]] = [(key, key, None, "") for key in named]
+    there = [key for key in column_names(rows) if any(row.get(key) is not None for row in rows)]
+    columns = [Column(key, key) for key in ("motion", *varied, "status")]
     several = len([key for key in there if is_of_block(key, ".mode")]) > 1
-    for key, heading, factor, form in SHOWN:
+    for shown in SHOWN:
         for name in there:
-            if name == key or is_of_block(name, key):
-                owner = f"{name.split('.')[0]} " if several and key.startswith(".") else ""
-                chosen.append((name, owner + heading, factor, form))
-    table = [[heading for _, heading, _, _ in chosen]]
-    table += [
-        [_cell(row.get(key), factor, form) for key, _, factor, form in chosen] for row in rows
-    ]
-    lines = in_columns(table)
+            if name == shown.key or is_of_block(name, shown.key):
+                owner = f"{name.split('.')[0]} " if several and shown.key.startswith(".") else ""
+                columns.append(shown._replace(key=name, heading=owner + shown.heading))
+    lines = in_columns(in_words(rows, columns))
     means = [_sentence(mean, varied) for mean in ratios(rows, varied)]
-    lines += ["", *means] if means else []
-    lines += remarks(rows, varied) + cautions(rows, varied)
-    lines += ["", *notes] if notes else []
+    for part in (means, remarks(rows, varied), cautions(rows, varied), notes):
+        lines += ["", *part] if part else []
     return "\n".join(lines) + "\n"
 
 
@@ -105,16 +101,6 @@ def is_of_block(name: str, ending: str) -> bool:
     return ending.startswith(".") and name.endswith(ending) and not of_others
 
 
-def _cell(value: Any, factor: float | None, form: str) -> str:
-    """A value as text; round-off is 0."""
-    if value is None:
-        return "-"
-    if factor is None:
-        return str(value)
-    shown = format(factor * value, form)
-    return shown if abs(factor * value) > ROUND_OFF else format(0.0, form)
-
-
 def _sentence(mean: Mapping[str, Any], varied: Sequence[str]) -> str:
     """The mean of a ratio in words."""
     group = "".join(f"{key} {mean['varied'][key]}, " for key in varied)
@@ -127,8 +113,7 @@ def _sentence(mean: Mapping[str, Any], varied: Sequence[str]) -> str:
 def remarks(rows: Sequence[Row], varied: Sequence[str]) -> list[str]:
     """A line for each case that has a reason."""
     reasons = [row for row in rows if row.get("reason")]
-    lines = [f"{_name(row, varied)}: {row['status']}: {row['reason']}" for row in reasons]
-    return ["", *lines] if lines else []
+    return [f"{_name(row, varied)}: {row['status']}: {row['reason']}" for row in reasons]
 
 
 def cautions(rows: Sequence[Row], varied: Sequence[str]) -> list[str]:
@@ -138,7 +123,7 @@ def cautions(rows: Sequence[Row], varied: Sequence[str]) -> list[str]:
     lines = [f"{_name(row, varied)}: caution: {row['cautions']}" for row in first]
     if len(careful) > MOST_CAUTIONS:
         lines.append(f"{len(careful) - MOST_CAUTIONS} more cases have cautions: see suite.csv")
-    return ["", *lines] if lines else []
+    return lines
 
 
 def _name(row: Row, varied: Sequence[str]) -> str:
@@ -172,7 +157,7 @@ class Sample:
     @property
     def words(self) -> str:
         """The group in words."""
-        return ", ".join(f"{key} {value}" if key != "block" else value for key, value in self.group)
+        return group_in_words(self.group)
 
     def row(self) -> dict[str, Any]:
         """Its row of the table."""
@@ -340,18 +325,21 @@ def fragility_text(
     axis: str,
 ) -> str:
     """Probabilities, quantiles, curves and distances for reading."""
-    heading = ["block", "engine", axis or "level", "motions", "overturned", "P", "95 %"]
-    heading += ["|theta|/alpha 16 %", "50 %", "84 %", "slip mm 50 %", "84 %"]
-    table = [heading]
-    for sample in found:
-        row = sample.row()
-        between = f"{row['probability_low']:.3f}-{row['probability_high']:.3f}"
-        angles = [_shown(row[f"angle_over_alpha_{q}"], 1.0, "over") for q in (16, 50, 84)]
-        slips = [_shown(row[f"slip_m_{q}"], 1e3, "-") for q in (50, 84)]
-        level = "-" if sample.level is None else f"{sample.level:g}"
-        counts = [f"{row['motions']}", f"{row['overturned']}", f"{row['probability']:.3f}"]
-        table.append([sample.words, sample.engine or "-", level, *counts, between, *angles, *slips])
-    lines = in_columns(table, left=2)
+    angles = ((16, "|theta|/alpha 16 %"), (50, "50 %"), (84, "84 %"))
+    slips = ((50, "slip mm 50 %"), (84, "84 %"))
+    columns = [
+        *(Column("words", "block"), Column("engine", "engine")),
+        *(Column("level", axis or "level", "g"), Column("motions", "motions")),
+        *(Column("overturned", "overturned"), Column("probability", "P", ".3f")),
+        Column("between", "95 %"),
+        *(Column(f"angle_over_alpha_{q}", name, ".3f", unknown="over") for q, name in angles),
+        *(Column(f"slip_m_{q}", name, ".3f", 1e3) for q, name in slips),
+    ]
+    rows = [sample.row() | {"words": sample.words} for sample in found]
+    for row in rows:
+        row["engine"] = row["engine"] or "-"
+        row["between"] = f"{row['probability_low']:.3f}-{row['probability_high']:.3f}"
+    lines = in_columns(in_words(rows, columns), left=2)
     lines += [_curve_in_words(own[0], curve, axis) for own, curve in curves]
     for pair in apart:
         level = "" if pair["level"] is None else f" at {pair['level']:g}"
@@ -366,11 +354,12 @@ def fragility_text(
 def _words(row: Mapping[str, Any]) -> str:
     """The group of a comparison in words: all that stands before its level."""
     keys = list(row)[: list(row).index("level")]
-    return ", ".join(row[key] if key == "block" else f"{key} {row[key]}" for key in keys)
+    return group_in_words([(key, row[key]) for key in keys])
 
 
-def _shown(value: float | None, factor: float, otherwise: str) -> str:
-    return otherwise if value is None else f"{factor * value:.3f}"
+def group_in_words(group: Sequence[tuple[str, str]]) -> str:
+    """Varied keys with their values, and the name of the block."""
+    return ", ".join(value if key == "block" else f"{key} {value}" for key, value in group)
 
 
 def _curve_in_words(first: Sample, curve: Lognormal | None, axis: str) -> str:

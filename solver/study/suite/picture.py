@@ -88,26 +88,18 @@ def _points(
     axes: Axes, rows: Sequence[Row], name: str, factor: float, *, label: str, **look: Any
 ) -> None:
     """A mark for each run, in a ring the rigid-body answer; crossed where a block was lost."""
-    own = [(row["pga_g"], factor * row[name]) for row in rows if row.get(name) is not None]
     block = name.partition(".")[0]
-    lost = [
-        (row["pga_g"], factor * row[name])
-        for row in rows
-        if any(row.get(block + ending) is not None for ending in FALLEN)
-    ]
-    answer = [
-        (row["pga_g"], factor * row[f"reference.{name}"])
-        for row in rows
-        if row.get(f"reference.{name}") is not None
-    ]
-    if own:
-        axes.plot(*np.array(own).T, linestyle="", markersize=3.5, label=label, **look)
-    if answer:
-        ring: dict[str, Any] = {"linestyle": "", "marker": "o", "fillstyle": "none"}
-        axes.plot(*np.array(answer).T, color=GREY, markersize=7, label="rigid-body answer", **ring)
-    if lost:
-        cross: dict[str, Any] = {"linestyle": "", "marker": "x", "color": "black"}
-        axes.plot(*np.array(lost).T, markersize=6, label="overturned or fell", **cross)
+    lost = [row for row in rows if any(row.get(block + end) is not None for end in FALLEN)]
+    ring = {"label": "rigid-body answer", "color": GREY, "markersize": 7, "fillstyle": "none"}
+    cross = {"label": "overturned or fell", "color": "black", "markersize": 6, "marker": "x"}
+    for key, those, style in (
+        (name, rows, {"label": label, "markersize": 3.5, **look}),
+        (f"reference.{name}", rows, {"marker": "o", **ring}),
+        (name, lost, cross),
+    ):
+        at = [(row["pga_g"], factor * row[key]) for row in those if row.get(key) is not None]
+        if at:
+            axes.plot(*np.array(at).T, linestyle="", **style)
 
 
 def fragility_picture(curves: Curves, axis: str) -> Figure:
