@@ -329,10 +329,10 @@ def show_info(options: argparse.Namespace) -> int:
     """`rockslip info`: every rank starts MPI, the first one prints."""
     from solver.bodies.memory import limits_in_words
     from solver.info import description
-    from solver.kernels.library import library, sources_of
+    from solver.kernels.library import library
 
     lines = description()
-    lines.append(("kernels", f"{sources_of(library())} ({library()._name})"))
+    lines.append(("kernels", f"{library().SOURCES} ({library().__file__})"))
     lines.append(("linear solver", limits_in_words(int(dict(lines)["ranks"]))))
     if launched_rank() == 0:
         width = max(len(name) for name, _ in lines) + 2

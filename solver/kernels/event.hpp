@@ -31,10 +31,13 @@ template <int d> std::array<Vec<d>, 2> slip_velocities(const World<d>& world, co
     return {first, sum - first};
 }
 
+/// Slip velocity below which a contact does not slip, m/s.
+template <int d> double slow_slip(const Step<d>& step) { return 1e-3 * step.piece.dt * step.pull; }
+
 /// A contact whose slip turns round in the step.
 template <int d> bool reverses(const World<d>& world, const Step<d>& step, const Contact<d>& k) {
     if (k.state == OPEN || is_new(world, k)) return false;
-    const double slow = 1e-3 * step.piece.dt * step.pull;
+    const double slow = slow_slip(step);
     if (!(0.5 * norm_from(step.moved(k, step.begun), 1) > slow)) return false;
     const auto [first, last] = slip_velocities(world, step, k);
     return norm(first) > slow && dot(first, last) < 0;

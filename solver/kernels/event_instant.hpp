@@ -8,28 +8,27 @@ namespace rockslip {
 
 constexpr double AT_END = 1e-9;  // of a step: events this close to its ends are there
 
-/// Regula falsi (Illinois) for a value that falls from positive to negative.
+/// The root of a value that falls from positive to negative: by the secant of the last two lengths while that goes on in
+/// smaller steps between lengths of both signs, else in their middle (Dekker 1969).
 struct Bracket {
-    double at_low;     // at a step without length, to begin with
+    double at_last;    // at a step without length, to begin with
     double tolerance;  // what of the value counts as zero
-    double low = 0, high = INFINITY, at_high = 0;
-    int side = 0;
+    double high = INFINITY, low = 0, last = 0, secant = 0;
+    double step = INFINITY, before = INFINITY;  // between the last lengths, and between those before
 
     void narrow(double length, double value) {
-        const int now = value > 0 ? 1 : -1;
-        if (now > 0) {
-            low = length;
-            at_low = value;
-            if (side == now) at_high *= 0.5;
-        } else {
-            high = length;
-            at_high = value;
-            if (side == now) at_low *= 0.5;
-        }
-        side = now;
+        (value > 0 ? low : high) = length;
+        secant = length - value * (length - last) / (value - at_last);
+        before = step;
+        if (last > 0) step = std::fabs(length - last);
+        last = length;
+        at_last = value;
     }
     /// The next length to try; infinite where the value has not been negative.
-    double root() const { return high < INFINITY ? low + (high - low) * at_low / (at_low - at_high) : INFINITY; }
+    double root() const {
+        if (!(high < INFINITY)) return INFINITY;
+        return low < secant && secant < high && std::fabs(secant - last) < before ? secant : 0.5 * (low + high);
+    }
 };
 
 /// The length of a step, s, and whether it is the one that was looked for.
@@ -42,15 +41,16 @@ struct Located {
 /// numbers, for the step as solved; lengths below the shortest, s, are not tried.
 template <int d, class Value>
 Located first_zero(StepSolver<d>& solver, Step<d>& step, std::vector<Bracket> brackets, double shortest, Value value) {
+    constexpr int ROUNDS = 20, EXACT = 8;  // after so many rounds it is the error of solved steps that hides a zero
     double length = step.piece.dt;
-    for (int round = 0; round < 30; round++) {
+    for (int round = 0; round < ROUNDS; round++) {
         if (round > 0 && !solver.solve_length(step, length)) break;
         bool reached = false, passed = false;
         double next = INFINITY;
         for (std::size_t i = 0; i < brackets.size(); i++) {
-            const double left = value(i);
-            reached |= left <= brackets[i].tolerance;
-            passed |= left < -brackets[i].tolerance;
+            const double left = value(i), zero = std::exp2(std::max(round - EXACT, 0)) * brackets[i].tolerance;
+            reached |= left <= zero;
+            passed |= left < -zero;
             brackets[i].narrow(length, left);
             next = std::min(next, brackets[i].root());
         }
@@ -79,24 +79,25 @@ template <int d> double locate_touch(const World<d>& world, StepSolver<d>& solve
 }
 
 /// Length of the step at whose end the first slip stops; it is then solved. 0 where there is none.
+///
+/// A slip that stops early has turned round where the step is long: it sticks over the step as a whole, however long
+/// that is. How it slows down shows in a short step.
 template <int d> double locate_end_of_slip(const World<d>& world, StepSolver<d>& solver, Step<d>& step) {
-    const Contact<d>* first = nullptr;
-    double soonest = INFINITY, speed = 0;
+    const double dt = step.piece.dt, shortest = 1e-3 * dt, slow = slow_slip(step);
+    std::vector<const Contact<d>*> slipping;
+    std::vector<Bracket> speeds;
     for (const Contact<d>& k : step.contacts) {
-        if (!reverses(world, step, k)) continue;
+        if (k.state == OPEN || is_new(world, k)) continue;
         const auto [begin, end] = slip_velocities(world, step, k);
-        const double when = dot(begin, begin) / (dot(begin, begin) - dot(begin, end));
-        if (when < soonest) {
-            soonest = when;
-            first = &k;
-            speed = norm(begin);
-        }
+        const double speed = norm(begin);
+        if (!(speed > slow)) continue;
+        slipping.push_back(&k);
+        speeds.push_back({speed, std::max(1e-6 * speed, 1e-2 * slow), dot(begin, end) < 0 ? dt : INFINITY});
     }
-    if (!first) return 0;
-    const double dt = step.piece.dt, shortest = 1e-3 * dt;
-    const auto [length, found] = first_zero(solver, step, {{speed, 1e-6 * speed}}, shortest, [&](std::size_t) {
-        const auto [begin, end] = slip_velocities(world, step, *first);
-        return dot(begin, end) / speed;
+    if (!solver.solve_length(step, shortest)) return 0;
+    const auto [length, found] = first_zero(solver, step, speeds, shortest, [&](std::size_t i) {
+        const auto [begin, end] = slip_velocities(world, step, *slipping[i]);
+        return dot(begin, end) / norm(begin);
     });
     return found && length > shortest && length < (1 - 1e-3) * dt ? length : 0;
 }

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import os
 from collections.abc import Iterable
-from ctypes import CDLL, c_char_p
 from functools import cache
 from importlib.machinery import ExtensionFileLoader
 from importlib.util import module_from_spec, spec_from_file_location
@@ -18,6 +17,9 @@ from solver.errors import EnvironmentTrouble
 NAME = "librockslip.so"
 """File of the library in this package, where pip, conda and the image put it."""
 
+MODULE = "kernels"
+"""Name of the module in it: `PyInit_kernels` (`module.cpp`)."""
+
 VARIABLE = "ROCKSLIP_KERNELS"
 """Variable that names another file, which goes first; ./in-env sets it."""
 
@@ -28,40 +30,24 @@ REMEDY = "build them by ./in-env rockslip ..., or by pip install anew"
 
 
 @cache
-def library() -> CDLL:
-    """The library, loaded once in a process.
+def library() -> ModuleType:
+    """The module that the library is, loaded once in a process.
 
     Raises:
         EnvironmentTrouble: it is not there, cannot be loaded, or is of other sources.
     """
-    file = _file()
-    try:
-        loaded = CDLL(str(file))
-    except OSError as error:
-        raise EnvironmentTrouble(f"the compiled kernels cannot be loaded: {error}") from None
-    wanted = digest(Path(folder) for folder in kernels.__path__)
-    if wanted and sources_of(loaded) != wanted:
-        raise EnvironmentTrouble(f"the compiled kernels in {file} are of other sources; {REMEDY}")
-    return loaded
-
-
-@cache
-def module(name: str) -> ModuleType:
-    """A module of Python that the library holds.
-
-    Raises:
-        EnvironmentTrouble: as of `library`, and where the library is for another Python.
-    """
-    library()
     file = str(_file())
-    spec = spec_from_file_location(name, file, loader=ExtensionFileLoader(name, file))
+    spec = spec_from_file_location(MODULE, file, loader=ExtensionFileLoader(MODULE, file))
     assert spec is not None and spec.loader is not None
     try:
-        found = module_from_spec(spec)
-        spec.loader.exec_module(found)
+        loaded = module_from_spec(spec)
+        spec.loader.exec_module(loaded)
     except ImportError as error:
         raise EnvironmentTrouble(f"the compiled kernels cannot be loaded: {error}") from None
-    return found
+    wanted = digest(Path(folder) for folder in kernels.__path__)
+    if wanted and loaded.SOURCES != wanted:
+        raise EnvironmentTrouble(f"the compiled kernels in {file} are of other sources; {REMEDY}")
+    return loaded
 
 
 def _file() -> Path:
@@ -75,16 +61,6 @@ def _file() -> Path:
         if file.is_file():
             return file
     raise EnvironmentTrouble(f"the compiled kernels are missing, no {files[0]}; {REMEDY}")
-
-
-def sources_of(loaded: CDLL) -> str:
-    """Digest of the sources of a library; empty if it does not say."""
-    try:
-        function = loaded.kernels_sources
-    except AttributeError:
-        return ""
-    function.restype = c_char_p
-    return str(function().decode())
 
 
 def digest(folders: Iterable[Path]) -> str:

@@ -7,15 +7,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from solver.kernels.library import module
+from solver.kernels.library import library
 
 
 def __getattr__(name: str) -> Any:
-    """A function of the library; all of them are here afterwards."""
+    """A function of the library, which is here afterwards."""
     if name.startswith("__"):
         raise AttributeError(name)
-    functions = module("meshed")
-    globals().update(
-        {key: each for key, each in vars(functions).items() if not key.startswith("_")}
-    )
-    return getattr(functions, name)
+    found = globals()[name] = getattr(library(), name)
+    return found

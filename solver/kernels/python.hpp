@@ -11,8 +11,10 @@
 #include <numpy/ndarraytypes.h>
 
 #include <exception>
+#include <memory>
 #include <stdexcept>
 #include <tuple>
+#include <typeinfo>
 #include <utility>
 #include <vector>
 
@@ -81,9 +83,41 @@ template <> struct Argument<bool> {
     }
 };
 
+/// A C++ object that Python holds; a function gets it by reference.
+template <class T> struct Argument<T&> {
+    static T& read(PyObject* given, int) {
+        void* held = PyCapsule_GetPointer(given, typeid(T).name());
+        if (!held) throw Refused{};
+        return *static_cast<T*>(held);
+    }
+};
+
+/// Numbers by their names.
+using NamedNumbers = std::vector<std::pair<const char*, double>>;
+
 inline PyObject* made(double value) { return PyFloat_FromDouble(value); }
 inline PyObject* made(std::int64_t value) { return PyLong_FromLongLong(value); }
 inline PyObject* made(bool value) { return PyBool_FromLong(value); }
+/// Numbers as bytes, of which numpy makes an array in place.
+inline PyObject* made(const std::vector<double>& values) {
+    return PyByteArray_FromStringAndSize(reinterpret_cast<const char*>(values.data()), static_cast<Py_ssize_t>(values.size() * sizeof(double)));
+}
+inline PyObject* made(const NamedNumbers& values) {
+    PyObject* found = PyDict_New();
+    for (const auto& [name, value] : values) {
+        PyObject* number = made(value);
+        if (!found || !number || PyDict_SetItemString(found, name, number) < 0) Py_CLEAR(found);
+        Py_XDECREF(number);
+    }
+    return found;
+}
+template <class T> PyObject* made(std::unique_ptr<T> owned) {
+    PyObject* found = PyCapsule_New(owned.get(), typeid(T).name(), [](PyObject* capsule) {
+        delete static_cast<T*>(PyCapsule_GetPointer(capsule, typeid(T).name()));
+    });
+    if (found) owned.release();
+    return found;
+}
 template <class... T> PyObject* made(const std::tuple<T...>& values) {
     PyObject* found = PyTuple_New(sizeof...(T));
     Py_ssize_t place = 0;  // a tuple takes its elements over
@@ -137,5 +171,6 @@ std::vector<PyMethodDef> link_functions();
 std::vector<PyMethodDef> motion_functions();
 std::vector<PyMethodDef> point_functions();
 std::vector<PyMethodDef> surface_functions();
+std::vector<PyMethodDef> world_functions();
 
 }  // namespace rockslip::python

@@ -27,7 +27,8 @@ template <int d> class VelocityCorrection {
         Vec<d> impulse, y, velocity;
         State state;
 
-        bool slid() const { return state == SLIP || state == SLIP_BACK; }
+        /// Whether it slid with friction: where it did not press, round-off of its gap alone makes its state.
+        bool slid() const { return impulse[0] > 0 && (state == SLIP || state == SLIP_BACK); }
     };
 
     /// Where a body landed all contacts obey the law first. A problem whose solution returns more energy than friction

@@ -6,7 +6,6 @@ anticlockwise. Places and velocities are relative to the ground.
 
 from __future__ import annotations
 
-import ctypes
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
@@ -17,15 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from solver.kernels.library import library
-from solver.types import Array, Mask
-
-COUNTS = (
-    *("solves", "warm", "newton", "factorizations", "searched", "softened", "interior"),
-    *("failed", "loose", "loosest", "outer", "late", "widened", "halved", "cut", "contacts"),
-    *("most_contacts", "rung_0", "rung_1", "rung_2", "rung_3", "rung_4"),
-    *("unsettled", "largest_defect", "deepest", "deepest_at", "deepest_a", "deepest_b"),
-)
-"""Names of the counts that the library keeps."""
+from solver.types import Array, Indices, Mask
 
 FALLBACKS = {
     "proximal": "softened",
@@ -40,26 +31,44 @@ def _turns(d: int) -> int:
     return 1 if d == 2 else 3
 
 
-def _body_widths(d: int) -> tuple[int, ...]:
-    """Widths of what the library writes of a body: `STATE` of `module.cpp`."""
+def _body_widths(d: int) -> dict[str, int]:
+    """Widths of what `write_state` of `world_functions.cpp` writes of a body; 0: a number."""
     turns = _turns(d)
-    return d, 1 if d == 2 else 4, d, turns, turns, d, d, 1
+    places = {"centre": d, "rotation": 1 if d == 2 else 4, "velocity": d}
+    return places | {"spin": turns, "turned": turns, "slip": d, "impulse": d, "penetration": 0}
 
 
-def _step_widths(d: int) -> tuple[int, ...]:
-    """Widths of what it writes of a step: `TOTALS`."""
-    return 3, 5, d, 3
+def _step_widths(d: int) -> dict[str, int]:
+    """Widths of what it writes of a step."""
+    energies = {"stored": 3, "exchanged": 5}
+    return energies | {"ground_impulse": d, "closed": 0, "iterations": 0, "halved": 0}
 
 
-def _collision_widths(d: int) -> tuple[int, ...]:
-    """Widths of what it writes of a collision: `world_collisions`."""
-    turns = _turns(d)
-    return 4, d, d, 3, turns, turns, d, 1
+def _link_widths(d: int) -> dict[str, int]:
+    """Widths of what it writes of a link."""
+    return {"extension": d, "force": d, "plastic": d, "broken": 0, "broken_at": 0, "lost": 0}
 
 
-def _parted(numbers: Array, widths: Sequence[int]) -> list[Array]:
-    """Numbers cut along their last axis into parts of some widths."""
-    return np.split(numbers, np.cumsum(widths)[:-1], axis=-1)
+def _collision_widths(d: int) -> dict[str, int]:
+    """Widths of what it writes of a collision."""
+    numbers = dict.fromkeys(("time", "first", "second", "points"), 0)
+    speeds = dict.fromkeys(("approach", "departure", "brought"), 0)
+    turns = {"spin": _turns(d), "later_spin": _turns(d)}
+    return numbers | {"place": d, "normal": d} | speeds | turns | {"impulse": d, "energy": 0}
+
+
+def _room(widths: dict[str, int]) -> int:
+    """Numbers that some widths take together."""
+    return sum(width or 1 for width in widths.values())
+
+
+def _parted(numbers: Array, widths: dict[str, int]) -> dict[str, Any]:
+    """Numbers cut along their last axis into parts of some widths, by their names."""
+    found, first = {}, 0
+    for name, width in widths.items():
+        found[name] = numbers[..., first : first + width] if width else numbers[..., first]
+        first += width or 1
+    return found
 
 
 class Mobility(IntEnum):
@@ -154,15 +163,8 @@ class LinkStates:
     @classmethod
     def split(cls, d: int, numbers: Array) -> LinkStates:
         """The fields, by the numbers as the library writes them."""
-        extension, force, plastic, last = _parted(numbers, (d, d, d, 3))
-        return cls(
-            extension=extension,
-            force=force,
-            plastic=plastic,
-            broken=last[..., 0] > 0,
-            broken_at=last[..., 1],
-            lost=last[..., 2],
-        )
+        found = _parted(numbers, _link_widths(d))
+        return cls(**found | {"broken": found["broken"] > 0})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -208,28 +210,8 @@ class Steps:
         cls, d: int, of_bodies: Array, of_steps: Array, of_links: Array, of_parts: Array
     ) -> Steps:
         """The fields, by the numbers as the library writes them."""
-        centre, rotation, velocity, spin, turned, slip, impulse, last = _parted(
-            of_bodies, _body_widths(d)
-        )
-        stored, exchanged, ground, counts = _parted(of_steps, _step_widths(d))
-        return cls(
-            centre=centre,
-            rotation=rotation,
-            velocity=velocity,
-            spin=spin,
-            turned=turned,
-            slip=slip,
-            impulse=impulse,
-            penetration=last[..., 0],
-            stored=stored,
-            exchanged=exchanged,
-            ground_impulse=ground,
-            closed=counts[:, 0],
-            iterations=counts[:, 1],
-            halved=counts[:, 2],
-            links=of_links,
-            parts=of_parts,
-        )
+        found = _parted(of_bodies, _body_widths(d)) | _parted(of_steps, _step_widths(d))
+        return cls(**found, links=of_links, parts=of_parts)
 
     def followed_by(self, later: Steps) -> Steps:
         """These steps and later ones."""
@@ -275,24 +257,10 @@ class Collision:
     @classmethod
     def read(cls, d: int, row: Array) -> Collision:
         """A collision by the numbers as the library writes them."""
-        when, place, normal, speeds, spin, later_spin, impulse, energy = _parted(
-            row, _collision_widths(d)
-        )
-        return cls(
-            time=float(when[0]),
-            first=int(when[1]),
-            second=int(when[2]),
-            points=int(when[3]),
-            place=place,
-            normal=normal,
-            approach=float(speeds[0]),
-            departure=float(speeds[1]),
-            brought=float(speeds[2]),
-            spin=spin,
-            later_spin=later_spin,
-            impulse=impulse,
-            energy=float(energy[0]),
-        )
+        widths = _collision_widths(d)
+        found = _parted(row, widths)
+        found |= {name: float(found[name]) for name, width in widths.items() if not width}
+        return cls(**found | {name: int(found[name]) for name in ("first", "second", "points")})
 
 
 class World:
@@ -307,29 +275,20 @@ class World:
             scheme: alpha_m, alpha_f and beta of generalized-alpha, for platforms.
             velocity_level: True if contact is also solved at velocity level after each step.
         """
-        self._library, self._count, self._d = library(), 0, dimension
-        self._links = self._forces = self._parts = 0
-        new = self._library.world_new
-        new.restype = ctypes.c_void_p
-        self._library.world_save.restype = ctypes.c_long
-        self._library.world_collisions.restype = ctypes.c_long
-        self._library.world_pairs.restype = ctypes.c_long
-        self._handle = ctypes.c_void_p(
-            new(dimension, _numbers(gravity), _numbers(scheme), int(velocity_level))
+        self._library, self._d = library(), dimension
+        self._bodies = self._links = self._forces = self._parts = 0
+        self._pairs = np.empty((0, 4 + 4 * dimension))
+        self._held = self._library.world_new(
+            dimension, _numbers(gravity), _numbers(scheme), bool(velocity_level)
         )
-
-    def __del__(self) -> None:
-        """Free the memory."""
-        self._library.world_free(self._handle)
 
     def half_space(self) -> int:
         """Number of the shape that lies below level 0."""
-        return int(self._library.world_half_space(self._handle))
+        return int(self._library.world_half_space(self._held))
 
     def polygon(self, corners: ArrayLike) -> int:
         """Number of a new convex polygon by its corners (n, 2), anticlockwise."""
-        given = np.asarray(corners)
-        return int(self._library.world_polygon(self._handle, _numbers(given), len(given)))
+        return int(self._library.world_polygon(self._held, _numbers(corners)))
 
     def polyhedron(self, vertices: ArrayLike, loops: Sequence[Sequence[int]]) -> int:
         """Number of a new convex polyhedron.
@@ -338,13 +297,7 @@ class World:
             vertices: (n, 3).
             loops: Numbers of the vertices around each face, anticlockwise seen from outside.
         """
-        given = np.asarray(vertices)
-        flat = _integers([number for loop in loops for number in loop])
-        sizes = _integers([len(loop) for loop in loops])
-        made = self._library.world_polyhedron(
-            self._handle, _numbers(given), len(given), flat, sizes, len(loops)
-        )
-        return int(made)
+        return int(self._library.world_polyhedron(self._held, _numbers(vertices), *_lists(loops)))
 
     def add(self, body: Body) -> None:
         """Add a body; bodies are numbered in the order in which they are added."""
@@ -360,12 +313,12 @@ class World:
             np.broadcast_to(body.velocity, d),
             np.broadcast_to(body.spin, turns),
         ]
-        mobility, shapes = int(body.mobility), np.atleast_1d(body.shape)
+        shapes = np.atleast_1d(body.shape)
         self._parts += len(shapes) if len(shapes) > 1 else 0
         self._library.world_body(
-            self._handle, _integers(shapes), len(shapes), mobility, _numbers(np.concatenate(parts))
+            self._held, _integers(shapes), body.mobility, np.concatenate(parts, dtype=np.float64)
         )
-        self._count += 1
+        self._bodies += 1
 
     def link(self, link: Link) -> None:
         """Add a link; both of its bodies are there."""
@@ -380,10 +333,8 @@ class World:
             np.array([link.strength]),
             *(np.array([x.stiffness, x.damping, x.gap, x.compression, x.yields]) for x in laws),
         ]
-        axial = int(link.axes is None)
-        self._library.world_link(
-            self._handle, link.first, link.second, axial, _numbers(np.concatenate(parts))
-        )
+        numbers = np.concatenate(parts, dtype=np.float64)
+        self._library.world_link(self._held, link.first, link.second, link.axes is None, numbers)
         self._links += 1
 
     def force(self, body: int, arm: ArrayLike) -> None:
@@ -391,24 +342,18 @@ class World:
 
         Its values are given to `run`.
         """
-        self._library.world_force(self._handle, body, _numbers(arm))
+        self._library.world_force(self._held, body, _numbers(arm))
         self._forces += 1
 
-    def begin(
-        self, laws: Sequence[ArrayLike], law_of: ArrayLike, carriers: Sequence[Sequence[int]]
-    ) -> None:
+    def begin(self, laws: ArrayLike, law_of: ArrayLike, carriers: Sequence[Sequence[int]]) -> None:
         """Begin, all bodies being there.
 
         Args:
-            laws: mu_s, mu_d, DC, c, 1 where cohesion is lost by slip, e of each law.
+            laws: mu_s, mu_d, DC, c, 1 where cohesion is lost by slip, e of each law, (laws, 6).
             law_of: Number of the law of each pair of bodies, (n, n).
             carriers: Numbers of the bodies that each body stands on.
         """
-        for law in laws:
-            self._library.world_law(self._handle, _numbers(law))
-        flat = _integers([number for each in carriers for number in each] or [0])
-        counts = _integers([len(each) for each in carriers])
-        self._library.world_begin(self._handle, _integers(law_of), flat, counts)
+        self._library.world_begin(self._held, _numbers(laws), _integers(law_of), *_lists(carriers))
 
     def run(
         self,
@@ -429,47 +374,39 @@ class World:
             shift: By how much the mean over each step exceeds that of its ends, (count, d), m/s2.
             forces: Applied forces at both ends of each step, (count, 2, forces, d), N; None: 0.
         """
-        rooms = self._room(count)
+        rooms = self._rooms(count)
         if forces is None:
             forces = np.zeros((count, 2, self._forces, self._d))
-        done = self._library.world_run(
-            self._handle,
-            count,
-            ctypes.c_double(dt),
-            ctypes.c_double(smallest),
-            _numbers(ground),
-            _numbers(shift),
-            _numbers(forces),
-            *map(_place, rooms),
-        )
+        given = (_numbers(each) for each in (ground, shift, forces))
+        done, pairs = self._library.world_run(self._held, dt, smallest, *given, *rooms)
+        self._pairs = np.frombuffer(pairs).reshape(-1, self._pairs.shape[1])
         return Steps.split(self._d, *(each[:done] for each in rooms))
 
     def now(self) -> Steps:
         """The state at the moment, as that of one step."""
-        rooms = self._room(1)
-        self._library.world_state(self._handle, *map(_place, rooms))
+        rooms = self._rooms(1)
+        self._library.world_state(self._held, *rooms)
         return Steps.split(self._d, *rooms)
 
-    def _room(self, count: int) -> tuple[Array, Array, Array, Array]:
+    def _rooms(self, count: int) -> tuple[Array, Array, Array, Array]:
         """Room for what the library writes of bodies, steps, links and parts."""
-        of_bodies, of_step = sum(_body_widths(self._d)), sum(_step_widths(self._d))
+        d = self._d
         return (
-            np.empty((count, self._count, of_bodies)),
-            np.empty((count, of_step)),
-            np.empty((count, self._links, 3 * self._d + 3)),
-            np.empty((count, self._parts, self._d)),
+            np.empty((count, self._bodies, _room(_body_widths(d)))),
+            np.empty((count, _room(_step_widths(d)))),
+            np.empty((count, self._links, _room(_link_widths(d)))),
+            np.empty((count, self._parts, d)),
         )
 
     def collisions(self) -> list[Collision]:
         """The collisions since the last call."""
-        number, d = self._library.world_collisions(self._handle, None), self._d
-        out = np.empty((number, sum(_collision_widths(d))))
-        self._library.world_collisions(self._handle, _place(out))
-        return [Collision.read(d, row) for row in out]
+        told = np.frombuffer(self._library.world_collisions(self._held))
+        width = _room(_collision_widths(self._d))
+        return [Collision.read(self._d, row) for row in told.reshape(-1, width)]
 
     def tell_pairs(self) -> None:
         """Tell from here on what pairs of bodies do to one another."""
-        self._library.world_tell_pairs(self._handle)
+        self._library.world_tell_pairs(self._held)
 
     def pairs(self) -> Array:
         """The pairs that have ever touched, after each step of the last run.
@@ -478,20 +415,15 @@ class World:
         normal force and friction on the first (N; d - 1 numbers), gap (m), what the first has
         slipped over the second (m; d - 1 numbers), place (m), normal from the second to the first.
         """
-        number, width = self._library.world_pairs(self._handle, None), 4 + 4 * self._d
-        out = np.empty((number // width, width))
-        self._library.world_pairs(self._handle, _place(out))
-        return out
+        return self._pairs
 
     def counts(self) -> dict[str, float]:
-        """The counts that the library keeps, by their names."""
-        counts = np.empty(len(COUNTS))
-        self._library.world_counts(self._handle, _place(counts))
-        return dict(zip(COUNTS, map(float, counts), strict=True))
+        """What the steps so far needed, and the deepest overlap in them."""
+        return dict(self._library.world_counts(self._held))
 
     def reset_deepest(self) -> None:
         """Forget the deepest overlap so far."""
-        self._library.world_reset_deepest(self._handle)
+        self._library.world_reset_deepest(self._held)
 
     def fallbacks(self) -> dict[str, int]:
         """How often contact problems were left to which method after Newton's."""
@@ -500,14 +432,11 @@ class World:
 
     def saved(self) -> Array:
         """All that steps change, for `restore`."""
-        needed = self._library.world_save(self._handle, None, ctypes.c_long(0))
-        out = np.empty(needed)
-        self._library.world_save(self._handle, _place(out), ctypes.c_long(needed))
-        return out
+        return np.frombuffer(self._library.world_save(self._held))
 
     def restore(self, saved: Array) -> None:
         """Go back to where all stood when it was saved."""
-        self._library.world_restore(self._handle, _numbers(saved))
+        self._library.world_restore(self._held, _numbers(saved))
 
 
 def _tensor(inertia: ArrayLike, turns: int) -> Array:
@@ -516,16 +445,17 @@ def _tensor(inertia: ArrayLike, turns: int) -> Array:
     return given if given.ndim == 2 else np.diag(np.broadcast_to(given, turns))
 
 
-def _place(values: Array) -> Any:
-    """Where the numbers of a contiguous array stand; it lives as long as this does."""
-    return values.ctypes.data_as(ctypes.c_void_p)
-
-
-def _numbers(values: ArrayLike) -> Any:
+def _numbers(values: ArrayLike) -> Array:
     """Numbers as the library reads them."""
-    return _place(np.ascontiguousarray(values, dtype=np.float64))
+    return np.ascontiguousarray(values, dtype=np.float64)
 
 
-def _integers(values: ArrayLike) -> Any:
+def _integers(values: ArrayLike) -> Indices:
     """Integers as the library reads them."""
-    return np.ascontiguousarray(values, dtype=np.int32).ctypes.data_as(ctypes.c_void_p)
+    return np.ascontiguousarray(values, dtype=np.int64)
+
+
+def _lists(lists: Sequence[Sequence[int]]) -> tuple[Indices, Indices]:
+    """Lists of integers, one after another, and how long each is."""
+    flat = [number for each in lists for number in each]
+    return _integers(flat), _integers([len(each) for each in lists])

@@ -7,7 +7,6 @@ feature that shows each overlap.
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import product
@@ -118,13 +117,8 @@ def some_turn(random: np.random.Generator, d: int, size: float = np.inf) -> Arra
 def look(world: World, shapes: list[int], places: list[tuple[Array, Array]]) -> tuple[float, Array]:
     """Distance of two bodies by the narrow phase, and the gaps of its features."""
     numbers = np.concatenate([np.append(centre, turn) for centre, turn in places])
-    out = np.zeros(1 + 4 * 200)
-    function = library().world_look
-    function.restype = ctypes.c_long
-    pointer = [ctypes.c_void_p(each.ctypes.data) for each in (numbers, out)]
-    handle, margins = world._handle, [ctypes.c_double(each) for each in (MARGIN, INSET)]
-    count = function(handle, *shapes, pointer[0], *margins, pointer[1])
-    return float(out[0]), out[1 : 1 + 4 * count].reshape(-1, 4)[:, 1]
+    apart, found = library().world_look(world._held, *shapes, numbers, MARGIN, INSET)
+    return apart, np.frombuffer(found).reshape(-1, 4)[:, 1]
 
 
 @pytest.mark.slow

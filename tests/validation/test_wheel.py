@@ -65,7 +65,7 @@ def test_it_holds_all_modules_and_the_kernels(wheel: ZipFile) -> None:
 def test_its_kernels_are_found(wheel: ZipFile, tmp_path: Path) -> None:
     wheel.extractall(tmp_path)
     found = "from solver.kernels import library, meshed; meshed.solve; "
-    found += "print(library.library()._name)"
+    found += "print(library.library().__file__)"
     environment = {name: value for name, value in os.environ.items() if name != VARIABLE}
     done = subprocess.run(
         [sys.executable, "-c", found],
