@@ -3,6 +3,7 @@
 A place is a vector that follows its body: a point of it, a mean over points, or an axis that turns
 with it. Of a meshed body it is linear in the unknowns, of a rigid one a sum of material points; so
 rows over a step give its change exactly, and forces along them do exactly the work of that change.
+Contact knows surface points of the same bodies; corrections see places as further ones.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.packed_form import PackedForm
 from solver.bodies.reduced_body import ReducedBody
 from solver.bodies.rigid_body import DenseBody
+from solver.bodies.surface_layer import Layer
 from solver.parallel import global_sum
 from solver.types import Array, Indices
 
@@ -37,27 +39,41 @@ class MeshedPlace(NamedTuple):
     reference: Array
 
 
-class MeshedAttachment:
-    """Places of a meshed body."""
+class MeshedAttachment(Layer):
+    """Places of a meshed body, as nodes that follow from those of the mesh."""
 
     def __init__(self, body: ElasticBody | ReducedBody, places: Sequence[MeshedPlace]):
         """Take the body and its places."""
-        self.body, self.count = body, len(places)
-        self.rows = sp.vstack([place.rows for place in places], format="csr")
-        self.reference: Array = np.array([place.reference for place in places])
+        self.body, self.size, self.direct = body, len(places), False
+        self._places = places
+        self._rows = sp.vstack([place.rows for place in places], format="csr")
+        self._reference: Array = np.array([place.reference for place in places])
+
+    @property
+    def count(self) -> int:
+        """Number of places."""
+        return self.size
+
+    def part(self, chosen: Indices) -> MeshedAttachment:
+        """Some of the places."""
+        return MeshedAttachment(self.body, [self._places[number] for number in chosen])
+
+    def gather(self, values: Array) -> Array:
+        """Values of the places, (n, ...), from those of the owned nodes; collective."""
+        own = np.asarray(self._rows @ values.reshape(self.body.size, -1), dtype=np.float64)
+        return global_sum(self.body.comm, own).reshape(self.size, *values.shape[1:])
+
+    def add(self, target: Array, values: Array) -> None:
+        """Add values of the places to those of the owned nodes, in place."""
+        target += (self._rows.T @ values.reshape(self._reference.size, -1)).reshape(target.shape)
 
     def values(self, u: Array) -> Array:
         """The places for the owned unknowns u, (n, d); collective."""
-        return self.reference + self.read(u)
-
-    def read(self, vector: Array) -> Array:
-        """Displacements of the places, (n, d); collective."""
-        own = np.asarray(self.rows @ vector, dtype=np.float64)
-        return global_sum(self.body.comm, own).reshape(self.reference.shape)
+        return self._reference + self.gather(u.reshape(-1, self.body.dimension))
 
     def add_forces(self, target: Array, before: Array, now: Array, force: Array) -> None:
         """Add forces on the places, (n, d), N, to the owned unknowns' forces."""
-        target += self.rows.T @ force.ravel()
+        self.add(target.reshape(-1, self.body.dimension), force)
 
 
 class RigidPlace(NamedTuple):
@@ -104,6 +120,24 @@ class RigidAttachment:
 
 Attachment = MeshedAttachment | RigidAttachment
 """Places of a body."""
+
+
+class PlacesOfBody(NamedTuple):
+    """All places of one body.
+
+    Attributes:
+        body: Its number.
+        own: Its unknowns.
+        places: Numbers of the places.
+        first: Number of the first of them among those of all bodies, body after body.
+        attachment: The places.
+    """
+
+    body: int
+    own: slice
+    places: Indices
+    first: int
+    attachment: Attachment
 
 
 def attachment_of(body: Body, places: Sequence[Any]) -> Attachment:

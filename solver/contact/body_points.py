@@ -122,8 +122,11 @@ class RigidPoints:
     def velocity(self, u: Array | None, v: Array | None) -> Array:
         """Velocities of the points."""
         assert u is not None and v is not None
-        rows = self.body.rows(self.reference, self.body.replicate(u))
-        return rows @ self.body.replicate(v)
+        return self.rows(self.body.replicate(u)) @ self.body.replicate(v)
+
+    def rows(self, pose: Array) -> Array:
+        """Derivatives of the points' positions over all unknowns, (n, d, unknowns)."""
+        return self.body.rows(self.reference, pose)
 
     def add_forces(self, target: Array, old: SurfaceState, new: SurfaceState, force: Array) -> None:
         """Add forces on the points, (n, d), N, to the owned unknowns' forces.

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solver.bodies.attachment import Attachment, MeshedPlace, RigidPlace, attachment_of
+from solver.bodies.attachment import MeshedPlace, PlacesOfBody, RigidPlace, attachment_of
 from solver.stepping.body_links import BodyLinks, LinkForces, LinkMemory
 from solver.stepping.system import System
 from solver.types import Array, Indices, Mask
@@ -43,22 +43,6 @@ class AppliedForce(NamedTuple):
     mean: Callable[[float, float], float]
 
 
-class PlacesOfBody(NamedTuple):
-    """All places of one body.
-
-    Attributes:
-        body: Its number.
-        own: Its unknowns.
-        places: Numbers of the places.
-        attachment: The places.
-    """
-
-    body: int
-    own: slice
-    places: Indices
-    attachment: Attachment
-
-
 class Attached:
     """All links and applied forces of a scene, and the places at which they act.
 
@@ -66,6 +50,7 @@ class Attached:
         links: The links.
         forces: The forces.
         members: The places body by body.
+        moving: Numbers of those that are not on the ground, body after body.
     """
 
     def __init__(
@@ -84,20 +69,23 @@ class Attached:
                 self._still[number] = place
             else:
                 numbers.setdefault(body, []).append(number)
-        self.members = tuple(
-            PlacesOfBody(
-                body,
-                system.slices[body],
-                np.array(own),
-                attachment_of(system.bodies[body], [places[number].place for number in own]),
-            )
-            for body, own in sorted(numbers.items())
-        )
+        members, first = list[PlacesOfBody](), 0
+        for body, own in sorted(numbers.items()):
+            found = attachment_of(system.bodies[body], [places[number].place for number in own])
+            members.append(PlacesOfBody(body, system.slices[body], np.array(own), first, found))
+            first += found.count
+        self.members = tuple(members)
+        self.moving: Indices = np.concatenate([member.places for member in members])
+
+    @property
+    def linked(self) -> int:
+        """Number of places whose motion corrections have to know; 0 where there are no links."""
+        return len(self.moving) if self.links.count else 0
 
     def values(self, u: Array) -> Array:
         """All places for all owned unknowns u, (n, d), m; collective."""
         found = self._still.copy()
-        for _, own, places, attachment in self.members:
+        for _, own, places, _, attachment in self.members:
             found[places] = attachment.values(u[own])
         return found
 
@@ -106,7 +94,7 @@ class Attached:
 
         Their work between the two displacements is exact.
         """
-        for _, own, places, attachment in self.members:
+        for _, own, places, _, attachment in self.members:
             attachment.add_forces(target[own], before[own], now[own], force[places])
 
     def applied(self, time: float, dt: float) -> Array:
@@ -201,8 +189,8 @@ class StepAttached:
         stiffness = self.attached.links.stiffness(len(self._before))
         eps, found = float(np.finfo(float).eps), [0.0] * bodies
         each = weight * eps * stiffness * np.linalg.norm(self._before, axis=1)
-        for number, _, places, _ in self.attached.members:
-            found[number] = float(np.linalg.norm(each[places]))
+        for member in self.attached.members:
+            found[member.body] = float(np.linalg.norm(each[member.places]))
         return found
 
     def breaks_at(self, reached: AttachedForces) -> bool:

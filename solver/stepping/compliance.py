@@ -1,6 +1,7 @@
 """Contact compliance (Delassus operator) of a meshed body among its ports.
 
-Ports are points where forces act and motions are read, as rows on the nodes of the body. Columns
+Ports are points where forces act and motions are read, as rows on the nodes of the body: contact
+points, and places of links. Columns
 K^-1 (force rows)^T are solved for many at a time, as points first come near contact, so that a
 standing block never pays for its sides and top. In the frame that turns with the body all of it is
 constant. The compliance among the ports is kept; whole columns are kept with it for as long as they
@@ -42,6 +43,12 @@ class InterfaceDofs:
     """Rows of the same shape that read the response."""
     count: int
     """Number of points."""
+
+    @classmethod
+    def of_nodes(cls, layer: Layer, d: int) -> InterfaceDofs:
+        """The nodes of a layer themselves, in d dimensions."""
+        rows = sp.identity(layer.size * d, format="csr")
+        return cls(layer, rows, rows, layer.size)
 
     @property
     def symmetric(self) -> bool:

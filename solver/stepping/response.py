@@ -19,10 +19,11 @@ from typing import Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
+from solver.bodies.attachment import Attachment, RigidAttachment
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.reduced_body import ReducedBody
 from solver.bodies.rigid_body import DenseBody
-from solver.contact.body_points import SurfacePoints
+from solver.contact.body_points import RigidPoints, SurfacePoints
 from solver.contact.kinematics import ContactKinematics, Interpolation, in_frames
 from solver.kernels import meshed
 from solver.parallel import global_sum
@@ -38,19 +39,22 @@ Coupling = TypeVar("Coupling")
 Motion = TypeVar("Motion")
 
 Kinematics = Sequence[ContactKinematics | None]
-"""Kinematics of all interfaces; None for one that a step leaves out."""
+"""Kinematics of all interfaces, and of the places of links; None for what a step leaves out."""
+
+BodyPoints = SurfacePoints | Attachment
+"""Points of a body at which contact or links act."""
 
 
 @dataclass(frozen=True, slots=True)
 class BodyRole:
-    """One body's part in an interface.
+    """One body's part in an interface, or among the places of links, which stand behind all of them.
 
     Attributes:
         interface: Number of the interface.
         first: Number of its first point among the points of all interfaces.
         count: Number of its points.
         carries: True if the body carries the points, or has them.
-        points: The body's own surface points.
+        points: The body's own surface points, or its places.
         port: Number of the first of them among all ports of the body.
     """
 
@@ -58,7 +62,7 @@ class BodyRole:
     first: int
     count: int
     carries: bool
-    points: SurfacePoints
+    points: BodyPoints
     port: int
 
     @property
@@ -137,6 +141,11 @@ class Response(Protocol[Configuration, Coupling, Motion]):
     def at_rest(self) -> Motion:
         """A motion of zero."""
 
+    def moved_by(
+        self, at: Configuration, coupling: Coupling, near: CandidateSet, force: Array, weight: float
+    ) -> Motion:
+        """The motion by forces at near points, (m, d), N, which count `weight` times."""
+
     def respond(
         self,
         at: Configuration,
@@ -173,6 +182,12 @@ class DenseConfiguration(NamedTuple):
     level: Sequence[Array]
 
 
+def _rows(side: BodyRole, pose: Array) -> Array:
+    """Rows of the points of a rigid body for all unknowns, (points, d, unknowns)."""
+    assert isinstance(side.points, RigidPoints | RigidAttachment)
+    return side.points.rows(pose)
+
+
 class DenseResponse:
     """Response of a rigid block or of a platform: rows on few unknowns."""
 
@@ -198,7 +213,7 @@ class DenseResponse:
 
     def _configuration(self, pose: Array) -> DenseConfiguration:
         """Rows of all surface points for all unknowns."""
-        rows = [self.body.rows(side.points.reference, pose) for side in self.sides]
+        rows = [_rows(side, pose) for side in self.sides]
         # What carries points on an endless plane moves all of them alike.
         level = [
             np.repeat(-rows_of_side[:1], side.count, axis=0)
@@ -258,6 +273,17 @@ class DenseResponse:
         W += weight * np.tensordot(J / self.tangent, J, ([2], [2]))
         return J
 
+    def moved_by(
+        self,
+        at: DenseConfiguration,
+        coupling: Array,
+        near: CandidateSet,
+        force: Array,
+        weight: float,
+    ) -> Array:
+        """The motion by forces on the rows of near points."""
+        return weight * (force.ravel() @ coupling.reshape(force.size, -1)) / self.tangent
+
     def respond(
         self,
         at: DenseConfiguration,
@@ -268,8 +294,7 @@ class DenseResponse:
         motion: Array,
     ) -> Array:
         """The correction of the owned unknowns by a motion and by forces on the rows of points."""
-        moved = weight * (force.ravel() @ coupling.reshape(force.size, -1)) / self.tangent
-        return self.owned(at, motion + moved)
+        return self.owned(at, motion + self.moved_by(at, coupling, near, force, weight))
 
     def owned(self, at: DenseConfiguration, motion: Array) -> Array:
         """The part of a motion that this rank owns."""
@@ -452,6 +477,13 @@ class ElasticResponse:
             meshed.add_loads(*where, spots.weights, side.sign, ports, load)
         return ElasticCoupling(ports, load)
 
+    def moved_by(
+        self, at: Array, coupling: ElasticCoupling, near: CandidateSet, force: Array, weight: float
+    ) -> ElasticMotion:
+        """The motion by forces at near points, of which there is at least one."""
+        strain, vectors = self._strained(at, coupling, near, force, weight)
+        return ElasticMotion(strain, vectors.sum(axis=0))
+
     def respond(
         self,
         at: Array,
@@ -464,14 +496,20 @@ class ElasticResponse:
         """The correction of the owned unknowns by a motion and what forces at near points add."""
         if not len(coupling.ports):
             return self.owned(at, motion)
-        moved, load = np.empty(motion.nodes.size), coupling.load
-        vectors = np.empty(force.shape)
-        meshed.point_vectors(force, weight, near.frames, at[1], vectors)
-        if load is not None:
-            vectors = load.T @ vectors
-        strain = self.compliance.displacement(coupling.ports, vectors)
+        strain, vectors = self._strained(at, coupling, near, force, weight)
+        moved = np.empty(motion.nodes.size)
         meshed.moved_with_strain(*motion, strain, vectors, at, moved)
         return moved
+
+    def _strained(
+        self, at: Array, coupling: ElasticCoupling, near: CandidateSet, force: Array, weight: float
+    ) -> tuple[Array, Array]:
+        """Displacements by forces at near points, and the forces on ports in the frame, (m, d)."""
+        vectors = np.empty(force.shape)
+        meshed.point_vectors(force, weight, near.frames, at[1], vectors)
+        if coupling.load is not None:
+            vectors = coupling.load.T @ vectors
+        return self.compliance.displacement(coupling.ports, vectors), vectors
 
     def owned(self, at: Array, motion: ElasticMotion) -> Array:
         """A motion of the owned unknowns, from the frame of the body back into space."""

@@ -10,17 +10,24 @@ from mpi4py import MPI
 import numpy as np
 import scipy.sparse as sp
 
+from solver.bodies.attachment import MeshedAttachment, PlacesOfBody
 from solver.bodies.body import Body
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.reduced_body import ReducedBody
 from solver.bodies.rigid_body import DenseBody
-from solver.contact.body_points import NitschePoints, NodePoints, SurfacePoints
+from solver.contact.body_points import NitschePoints, NodePoints
 from solver.contact.interface import Interface
 from solver.contact.kinematics import Parts
 from solver.contact.pairs import Link
 from solver.scheme.generalized_alpha import TangentWeights
 from solver.stepping.compliance import Compliance, InterfaceDofs
-from solver.stepping.response import AnyResponse, BodyRole, DenseResponse, ElasticResponse
+from solver.stepping.response import (
+    AnyResponse,
+    BodyPoints,
+    BodyRole,
+    DenseResponse,
+    ElasticResponse,
+)
 from solver.types import Array
 
 
@@ -43,7 +50,7 @@ class System:
         self.fixed = np.concatenate(fixed).astype(np.int64)
         """Owned unknowns that do not move."""
 
-        self._ports: dict[tuple[Interface, SurfacePoints, bool], InterfaceDofs] = {}
+        self._ports: dict[tuple[Interface, BodyPoints, bool], InterfaceDofs] = {}
         self._unturned: Array = np.eye(self.dimension)
         self._unturned.flags.writeable = False
 
@@ -66,7 +73,7 @@ class System:
         their unknowns are."""
 
     def ports(
-        self, points: SurfacePoints, interface: Interface, *, tractions: bool
+        self, points: BodyPoints, interface: Interface, *, tractions: bool
     ) -> InterfaceDofs:
         """Rows between points of a meshed body and its nodes: made once, for all tangents."""
         key = interface, points, tractions
@@ -129,36 +136,51 @@ def sides_of(body: int, links: Sequence[Link]) -> list[BodyRole]:
     return sides
 
 
+def role_of(attached: PlacesOfBody, links: Sequence[Link], sides: Sequence[BodyRole]) -> BodyRole:
+    """The part of the places of a body, which stand behind the points of all interfaces.
+
+    By the parts that the body takes in these.
+    """
+    first = sum(link.interface.count for link in links) + attached.first
+    port = sum(side.points.count for side in sides)
+    places = attached.attachment
+    return BodyRole(len(links), first, places.count, False, places, port)
+
+
 def response_of(
     system: System,
     body: int,
     links: Sequence[Link],
     factor: Any,
     weights: TangentWeights | None = None,
+    attached: PlacesOfBody | None = None,
 ) -> AnyResponse:
     """The response of a body, by its number.
 
     The factor is the factorized tangent or mass of a meshed body, the diagonal of a rigid one's.
     Weights are those of the tangent, whose points are read with their tractions; None for the mass.
+    Places at which links act are further points of the body.
     """
-    member, sides = system.bodies[body], sides_of(body, links)
-    tractions = weights is not None
+    member, own = system.bodies[body], sides_of(body, links)
+    sides = own if attached is None else [*own, role_of(attached, links, own)]
     if isinstance(member, DenseBody):
         return DenseResponse(member, factor, sides)
     assert isinstance(member, ElasticBody | ReducedBody)
     ports = [
-        system.ports(side.points, links[side.interface].interface, tractions=tractions)
-        for side in sides
+        system.ports(side.points, links[side.interface].interface, tractions=weights is not None)
+        for side in own
     ]
+    if attached is not None:
+        assert isinstance(attached.attachment, MeshedAttachment)
+        ports.append(InterfaceDofs.of_nodes(attached.attachment, member.dimension))
     inertia = np.inf if weights is None or member.clamped else weights.mass * member.mass
     return ElasticResponse(member, Compliance(member, factor, ports), sides, inertia)
 
 
-def ports_of(points: SurfacePoints, interface: Interface, *, tractions: bool) -> InterfaceDofs:
+def ports_of(points: BodyPoints, interface: Interface, *, tractions: bool) -> InterfaceDofs:
     """Rows between points of a meshed body, read with their tractions or not, and its nodes."""
     if isinstance(points, NodePoints):
-        rows = sp.identity(points.count * points.dimension, format="csr")
-        return InterfaceDofs(points.layer, rows, rows, points.count)
+        return InterfaceDofs.of_nodes(points.layer, points.dimension)
     assert isinstance(points, NitschePoints)
     position = points.points.position_rows()
     read = force = position
