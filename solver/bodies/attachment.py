@@ -8,6 +8,7 @@ Contact knows surface points of the same bodies; corrections see places as furth
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -44,15 +45,11 @@ class MeshedAttachment(Layer):
 
     def __init__(self, body: ElasticBody | ReducedBody, places: Sequence[MeshedPlace]):
         """Take the body and its places."""
-        self.body, self.size, self.direct = body, len(places), False
+        self.body, self.direct = body, False
+        self.count = self.size = len(places)
         self._places = places
         self._rows = sp.vstack([place.rows for place in places], format="csr")
         self._reference: Array = np.array([place.reference for place in places])
-
-    @property
-    def count(self) -> int:
-        """Number of places."""
-        return self.size
 
     def part(self, chosen: Indices) -> MeshedAttachment:
         """Some of the places."""
@@ -60,7 +57,8 @@ class MeshedAttachment(Layer):
 
     def gather(self, values: Array) -> Array:
         """Values of the places, (n, ...), from those of the owned nodes; collective."""
-        own = np.asarray(self._rows @ values.reshape(self.body.size, -1), dtype=np.float64)
+        flat = values.reshape(self.body.size, math.prod(values.shape[2:]))
+        own = np.asarray(self._rows @ flat, dtype=np.float64)
         return global_sum(self.body.comm, own).reshape(self.size, *values.shape[1:])
 
     def add(self, target: Array, values: Array) -> None:

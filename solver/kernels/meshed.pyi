@@ -95,13 +95,10 @@ def into_frame(vectors: Array, turns: Array, factor: float, turned: Array, total
         total: Their sum, (d,).
     """
 
-def out_of_frame(nodes: Array, push: Array, turns: Array, vectors: Array) -> None:
-    """Fill in R (x + S p), vectors one after another in (n d,)."""
-
-def moved_with_strain(
-    nodes: Array, push: Array, strain: Array, vectors: Array, turns: Array, moved: Array
+def out_of_frame(
+    nodes: Array, push: Array, others: Array, further: Array, turns: Array, moved: Array
 ) -> None:
-    """Fill in R (x + S p) where forces (m, d) add strain, (n d,), and push, as vectors (n d,)."""
+    """Fill in the sum of two motions, each R (x + S p), vectors one after another in (n d,)."""
 
 def point_vectors(
     force: Array, weight: float, frames: Array, rotation: Array, vectors: Array

@@ -61,20 +61,12 @@ void point_vectors(Array<2> force, double weight, Array<3> frames, Array<2> rota
     });
 }
 
-void moved_with_strain(Array<1> nodes, Array<1> push, Array<1> strain, Array<2> vectors, Array<3> turns,
-                       Output<1> moved) {
+void out_of_frame(Array<1> nodes, Array<1> push, Array<1> others, Array<1> further, Array<3> turns,
+                  Output<1> moved) {
     in_dimension(push.length(), [&](auto d) {
-        const Turns<d> at(turns.data());
-        const auto further = at.shifted(sum_of<d>(vectors.data(), vectors.length()));
-        rockslip::out_of_frame<d>(nodes.data(), nodes.length() / d, at, vector_at<d>(push.data()), strain.data(),
-                                  further, moved.data());
-    });
-}
-
-void out_of_frame(Array<1> nodes, Array<1> push, Array<3> turns, Output<1> vectors) {
-    in_dimension(push.length(), [&](auto d) {
-        rockslip::out_of_frame<d>(nodes.data(), nodes.length() / d, Turns<d>(turns.data()),
-                                  vector_at<d>(push.data()), nullptr, {}, vectors.data());
+        rockslip::out_of_frame<d>(nodes.data(), vector_at<d>(push.data()), others.data(),
+                                  vector_at<d>(further.data()), nodes.length() / d, Turns<d>(turns.data()),
+                                  moved.data());
     });
 }
 
@@ -144,7 +136,6 @@ std::vector<PyMethodDef> surface_functions() {
         entry<add_contact_forces>("add_contact_forces"),
         entry<into_frame>("into_frame"),
         entry<point_vectors>("point_vectors"),
-        entry<moved_with_strain>("moved_with_strain"),
         entry<out_of_frame>("out_of_frame"),
         entry<add_places>("add_places"),
         entry<read_points>("read_points"),

@@ -57,24 +57,17 @@ Vec<d> point_vector(const double* force, double weight, const double* frame, con
     return transposed_mul(rotation, space);
 }
 
-/// Fills in R (x + S p) of nodes; `strain`, if any, adds to x, and all nodes move `further` with it.
+/// Fills in the sum of two motions of nodes, each R (x + S p).
 template <int d>
-void out_of_frame(const double* nodes, std::ptrdiff_t count, const Turns<d>& turns, const Vec<d>& push,
-                  const double* strain, const Vec<d>& further, double* moved) {
-    const Vec<d> shift = turns.shifted(push);
+void out_of_frame(const double* nodes, const Vec<d>& push, const double* others, const Vec<d>& further,
+                  std::ptrdiff_t count, const Turns<d>& turns, double* moved) {
+    const Vec<d> shift = turns.shifted(push), further_shift = turns.shifted(further);
     for (std::ptrdiff_t n = 0; n < d * count; n += d) {
         Vec<d> own = vector_at<d>(nodes + n) + shift;
-        if (strain) own += vector_at<d>(strain + n) + further;
+        own += vector_at<d>(others + n) + further_shift;
         const Vec<d> found = mul(turns.rotation, own);
         std::copy_n(found.begin(), d, moved + n);
     }
-}
-
-/// The sum of vectors, (m, d).
-template <int d> Vec<d> sum_of(const double* vectors, std::ptrdiff_t count) {
-    Vec<d> total{};
-    for (std::ptrdiff_t p = 0; p < count; p++) total += vector_at<d>(vectors + d * p);
-    return total;
 }
 
 /// Adds motions of points in the frame of their body to their places over a carrier: `motion(p)`, m, counts

@@ -50,6 +50,7 @@ class Attached:
         links: The links.
         forces: The forces.
         members: The places body by body.
+        linked: Those that corrections know as points of bodies: all, or none without links.
         moving: Numbers of those that are not on the ground, body after body.
     """
 
@@ -75,12 +76,8 @@ class Attached:
             members.append(PlacesOfBody(body, system.slices[body], np.array(own), first, found))
             first += found.count
         self.members = tuple(members)
+        self.linked = self.members if links.count else ()
         self.moving: Indices = np.concatenate([member.places for member in members])
-
-    @property
-    def linked(self) -> int:
-        """Number of places whose motion corrections have to know; 0 where there are no links."""
-        return len(self.moving) if self.links.count else 0
 
     def values(self, u: Array) -> Array:
         """All places for all owned unknowns u, (n, d), m; collective."""

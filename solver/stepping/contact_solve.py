@@ -125,7 +125,8 @@ class StepProblem:
         self.inertia: Array = self.held
         self._residual: Array = self.held
         self._attached = balance.attached
-        self._places = 0 if balance.attached is None else balance.attached.attached.linked
+        self._linked = () if balance.attached is None else balance.attached.attached.linked
+        self._places = sum(member.attachment.count for member in self._linked)
         self._of_places = [kinematics_of_places(model.system.dimension)] if self._places else []
         self.on_places: AttachedForces | None = None
         """What links and forces do at the iterate; None without any."""
@@ -207,13 +208,15 @@ class StepProblem:
         delassus, change = settled(y)
         found = []
         for k, (response, _, _) in enumerate(self._bodies):
-            at = self._configurations[k]
-            if change is None:
-                found.append(response.owned(at, free[k]))
-            else:
-                how = delassus.couplings[k], delassus.near, change, self._weight
-                found.append(response.respond(at, *how, free[k]))
+            moved = response.at_rest() if change is None else self._moved_by(delassus, change, k)
+            found.append(response.owned(self._configurations[k], free[k], moved))
         return joined(found)
+
+    def _moved_by(self, operator: Delassus, force: Array, body: int) -> Any:
+        """The motion of a body by forces at the points of an operator, (m, d), N."""
+        response, at = self._bodies[body][0], self._configurations[body]
+        how = operator.couplings[body], operator.near, force, self._weight
+        return response.moved_by(at, *how)
 
     def _settled_with_links(self, y: Array) -> tuple[Delassus, Array]:
         """Let point forces and links obey their laws after the free step to y of points and places.
@@ -226,20 +229,16 @@ class StepProblem:
         operator = self._operator()
         while True:
             positions = y.copy()
-            self._read_forces(operator, links.answer(operator, None), positions)
+            answer = links.answer(operator, None)
+            for number in (member.body for member in self._linked):
+                response, at = self._bodies[number][0], self._configurations[number]
+                moved = self._moved_by(operator, answer, number)
+                response.read(at, moved, positions, self._kinematics)
             operator, change = self._settled(positions[:count], links.condensed)
             force = links.answer(operator, change)
             if links.settled():
                 return operator, force
             forces[:] = before
-
-    def _read_forces(self, operator: Delassus, force: Array, y: Array) -> None:
-        """Add what forces on places, those at an operator's points, do to all points to y."""
-        assert self._attached is not None
-        for number in (member.body for member in self._attached.attached.members):
-            response, at = self._bodies[number][0], self._configurations[number]
-            how = operator.couplings[number], operator.near, force, self._weight
-            response.read(at, response.moved_by(at, *how), y, self._kinematics)
 
     def _positions(self) -> Array:
         """Augmented positions of all points at the iterate, from their rest gaps.
@@ -306,7 +305,8 @@ class StepProblem:
         number, frames = near, points.frames_at(near, seen[: len(points.links)])
         if self._places:
             number = np.concatenate([near, points.count + np.arange(self._places)])
-            frames = np.concatenate([frames, np.tile(np.eye(frames.shape[1]), (self._places, 1, 1))])
+            unturned = np.tile(np.eye(self._system.dimension), (self._places, 1, 1))
+            frames = np.concatenate([frames, unturned])
         return assembled(
             self._tangents.responses,
             self._configurations,
@@ -378,8 +378,8 @@ class ContactSolve:
         attached: Attached | None = None,
     ):
         """Set SNES up for the bodies, their interfaces, and links and forces on them."""
-        places = attached.members if attached is not None and attached.linked else ()
-        self._places = {each.body: each for each in places}
+        linked = () if attached is None else attached.linked
+        self._places = {member.body: member for member in linked}
         points = PointTable(system, links)
         self._model = ContactModel(
             system=system,

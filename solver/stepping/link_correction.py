@@ -1,7 +1,7 @@
 """Links in a correction: how they answer a free motion and forces at contact points.
 
-The operator of a correction holds the places of links beside contact points. With the rows G of the
-extensions on places, W = (W_cc, W_cp; W_pc, W_pp) and the tangent D of the forces N, links are taken
+The operator of a correction holds places of links behind contact points, W = (W_cc, W_cp; W_pc,
+W_pp). With the rows G of extensions on places and the tangent D of the forces N, links are taken
 out of the local problem of contact, which finds the compliance
 
     W_cc - W_cp G^T (D^-1 + G W_pp G^T)^-1 G W_pc,

@@ -47,7 +47,7 @@ BodyPoints = SurfacePoints | Attachment
 
 @dataclass(frozen=True, slots=True)
 class BodyRole:
-    """One body's part in an interface, or among the places of links, which stand behind all of them.
+    """One body's part in an interface, or among the places of links behind all of these.
 
     Attributes:
         interface: Number of the interface.
@@ -146,22 +146,8 @@ class Response(Protocol[Configuration, Coupling, Motion]):
     ) -> Motion:
         """The motion by forces at near points, (m, d), N, which count `weight` times."""
 
-    def respond(
-        self,
-        at: Configuration,
-        coupling: Coupling,
-        near: CandidateSet,
-        force: Array,
-        weight: float,
-        motion: Motion,
-    ) -> Array:
-        """The correction of the owned unknowns by a motion and what forces at near points add.
-
-        Forces, (m, d), N, count `weight` times.
-        """
-
-    def owned(self, at: Configuration, motion: Motion) -> Array:
-        """A motion as a correction of the owned unknowns."""
+    def owned(self, at: Configuration, motion: Motion, further: Motion) -> Array:
+        """The correction of the owned unknowns that two motions make together."""
 
 
 AnyResponse = Response[Any, Any, Any]
@@ -284,21 +270,9 @@ class DenseResponse:
         """The motion by forces on the rows of near points."""
         return weight * (force.ravel() @ coupling.reshape(force.size, -1)) / self.tangent
 
-    def respond(
-        self,
-        at: DenseConfiguration,
-        coupling: Array,
-        near: CandidateSet,
-        force: Array,
-        weight: float,
-        motion: Array,
-    ) -> Array:
-        """The correction of the owned unknowns by a motion and by forces on the rows of points."""
-        return self.owned(at, motion + self.moved_by(at, coupling, near, force, weight))
-
-    def owned(self, at: DenseConfiguration, motion: Array) -> Array:
-        """The part of a motion that this rank owns."""
-        return motion[self.body.own]
+    def owned(self, at: DenseConfiguration, motion: Array, further: Array) -> Array:
+        """The part of two motions together that this rank owns."""
+        return (motion + further)[self.body.own]
 
 
 class ElasticMotion(NamedTuple):
@@ -480,42 +454,21 @@ class ElasticResponse:
     def moved_by(
         self, at: Array, coupling: ElasticCoupling, near: CandidateSet, force: Array, weight: float
     ) -> ElasticMotion:
-        """The motion by forces at near points, of which there is at least one."""
-        strain, vectors = self._strained(at, coupling, near, force, weight)
-        return ElasticMotion(strain, vectors.sum(axis=0))
-
-    def respond(
-        self,
-        at: Array,
-        coupling: ElasticCoupling,
-        near: CandidateSet,
-        force: Array,
-        weight: float,
-        motion: ElasticMotion,
-    ) -> Array:
-        """The correction of the owned unknowns by a motion and what forces at near points add."""
+        """The motion by forces at near points, from the columns of the ports that they act on."""
         if not len(coupling.ports):
-            return self.owned(at, motion)
-        strain, vectors = self._strained(at, coupling, near, force, weight)
-        moved = np.empty(motion.nodes.size)
-        meshed.moved_with_strain(*motion, strain, vectors, at, moved)
-        return moved
-
-    def _strained(
-        self, at: Array, coupling: ElasticCoupling, near: CandidateSet, force: Array, weight: float
-    ) -> tuple[Array, Array]:
-        """Displacements by forces at near points, and the forces on ports in the frame, (m, d)."""
+            return self._at_rest
         vectors = np.empty(force.shape)
         meshed.point_vectors(force, weight, near.frames, at[1], vectors)
         if coupling.load is not None:
             vectors = coupling.load.T @ vectors
-        return self.compliance.displacement(coupling.ports, vectors), vectors
+        strain = self.compliance.displacement(coupling.ports, vectors)
+        return ElasticMotion(strain, np.add.reduce(vectors))
 
-    def owned(self, at: Array, motion: ElasticMotion) -> Array:
-        """A motion of the owned unknowns, from the frame of the body back into space."""
-        vectors = np.empty(motion.nodes.size)
-        meshed.out_of_frame(*motion, at, vectors)
-        return vectors
+    def owned(self, at: Array, motion: ElasticMotion, further: ElasticMotion) -> Array:
+        """Two motions of the owned unknowns, from the frame of the body back into space."""
+        moved = np.empty(motion.nodes.size)
+        meshed.out_of_frame(*motion, *further, at, moved)
+        return moved
 
 
 def saved_compliances(responses: Sequence[Any]) -> list[Any]:

@@ -72,9 +72,7 @@ class System:
         """Bodies on which springs or dashpots to the ground act, or damping like these, and where
         their unknowns are."""
 
-    def ports(
-        self, points: BodyPoints, interface: Interface, *, tractions: bool
-    ) -> InterfaceDofs:
+    def ports(self, points: BodyPoints, interface: Interface, *, tractions: bool) -> InterfaceDofs:
         """Rows between points of a meshed body and its nodes: made once, for all tangents."""
         key = interface, points, tractions
         if key not in self._ports:
