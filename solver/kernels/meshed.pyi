@@ -95,10 +95,11 @@ def into_frame(vectors: Array, turns: Array, factor: float, turned: Array, total
         total: Their sum, (d,).
     """
 
-def out_of_frame(
-    nodes: Array, push: Array, others: Array, further: Array, turns: Array, moved: Array
-) -> None:
-    """Fill in the sum of two motions, each R (x + S p), vectors one after another in (n d,)."""
+def out_of_frame(nodes: Array, others: Array, rotation: Array, moved: Array) -> None:
+    """Fill in R (x + y) of two motions, vectors one after another in (n d,)."""
+
+def add_shift(vectors: Array, shift: Array, nodes: Array) -> None:
+    """Add S p to all nodes (n d,), with p the sum of vectors (m, d) and S (d, d)."""
 
 def point_vectors(
     force: Array, weight: float, frames: Array, rotation: Array, vectors: Array
@@ -124,35 +125,17 @@ def read_points(
     column: Indices,
     weight: Array,
     nodes: Array,
-    push: Array,
-    shift: Array,
     read: Array,
 ) -> None:
-    """Fill in what sparse rows read from a motion x + S p: of points, (m, d), row after row.
+    """Fill in what sparse rows read from a motion x: of points, (m, d), row after row.
 
     Args:
         start: Place of the first entry of each row, and their end, (m d + 1,).
         column: Number of the unknown of each entry.
         weight: By which it counts.
         nodes: x, (n d,), m.
-        push: p, (d,), N.
-        shift: S, (d, d), m/N.
         read: (m, d), m.
     """
-
-def add_readings(
-    moved: Array,
-    first: int,
-    sign: float,
-    start: Indices,
-    column: Indices,
-    weight: Array,
-    nodes: Array,
-    push: Array,
-    frame: Array,
-    turns: Array,
-) -> None:
-    """Add to places of points what rows as of `read_points` read; otherwise as `add_places`."""
 
 def mark_ports(
     near: Indices, first: int, count: int, port: int, nodes: Indices, used: Mask
