@@ -930,11 +930,12 @@ def solve_points(
 # the force at which it flows (N), (n, 5); extensions, (n,), m, are without the plastic part.
 
 def link_forces(
-    laws: Array, start: Array, end: Array, step: float, force: Array, slope: Array
+    laws: Array, start: Array, end: Array, acts: Array, step: float, force: Array, slope: Array
 ) -> None:
     """Fill in mean forces over a step between extensions, N, and their derivatives over the end.
 
-    The dashpots' are in them. Where the step (s) is infinite they are those at the end.
+    The dashpots' are in them. Links act for times in the step, s, up to their ends. Where the step
+    (s) is infinite forces are those at the end.
     """
 
 def link_springs(laws: Array, elastic: Array, force: Array, energy: Array, flow: Array) -> None:

@@ -12,7 +12,7 @@ bodies:
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -234,7 +234,7 @@ class StepProblem:
                 response, at = self._bodies[number][0], self._configurations[number]
                 moved = self._moved_by(operator, answer, number)
                 response.read(at, moved, positions, self._kinematics)
-            operator, change = self._settled(positions[:count], links.condensed)
+            operator, change = self._settled(positions[:count], links)
             force = links.answer(operator, change)
             if links.settled():
                 return operator, force
@@ -266,22 +266,24 @@ class StepProblem:
         return self._watch.settled(beyond)
 
     def _settled(
-        self, y: Array, condensed: Callable[[Delassus], Delassus] | None = None
+        self, y: Array, links: LinkCorrection | None = None
     ) -> tuple[Delassus, Array | None]:
         """Let the point forces obey the contact law after the free step to y.
 
         Points beyond an edge are put far from their carrier in y, whatever their gap: a foot far
-        beyond an edge goes to and fro with the face. The law is solved with the operator, or what
-        is made of it where it is condensed. Returns the operator of the points that are
-        near, and the change of their forces, (m, d), N; None where no point is near.
+        beyond an edge goes to and fro with the face. Links give way. Returns the operator of the
+        points that are near, and the change of their forces, (m, d), N; None where none is near.
         """
         self._deactivate(y)
         self.contact.tell_slips(y)
-        operator, through = self._operator(), condensed or _as_it_is
-        while isinstance(change := self.contact.settle(y, through(operator)), OthersNear):
+        operator = self._operator()
+        while True:
+            alone = operator if links is None else links.condensed(operator)
+            change = self.contact.settle(y, alone)
+            if not isinstance(change, OthersNear):
+                return operator, change
             self._model.margin.mark_seen(change.number)
             operator = self._tangents.operator = self._delassus(change.number)
-        return operator, change
 
     def _operator(self) -> Delassus:
         """The operator made last, with all bodies as they are at the iterate.
@@ -354,11 +356,6 @@ class StepProblem:
             clear = active_set.clear(number)
             found.append(Contact(surface, kinematics, force, bounds, compliance[own], clear))
         return found
-
-
-def _as_it_is(operator: Delassus) -> Delassus:
-    """An operator where nothing but contact gives way."""
-    return operator
 
 
 class ContactSolve:
