@@ -8,7 +8,6 @@ Contact knows surface points of the same bodies; corrections see places as furth
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -23,7 +22,7 @@ from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.packed_form import PackedForm
 from solver.bodies.reduced_body import ReducedBody
 from solver.bodies.rigid_body import DenseBody
-from solver.bodies.surface_layer import Layer
+from solver.bodies.surface_layer import RowsLayer
 from solver.parallel import global_sum
 from solver.types import Array, Indices
 
@@ -40,38 +39,23 @@ class MeshedPlace(NamedTuple):
     reference: Array
 
 
-class MeshedAttachment(Layer):
+class MeshedAttachment:
     """Places of a meshed body, as nodes that follow from those of the mesh."""
 
     def __init__(self, body: ElasticBody | ReducedBody, places: Sequence[MeshedPlace]):
         """Take the body and its places."""
-        self.body, self.direct = body, False
-        self.count = self.size = len(places)
-        self._places = places
-        self._rows = sp.vstack([place.rows for place in places], format="csr")
+        self.count, self._dimension = len(places), body.dimension
+        rows = sp.vstack([place.rows for place in places], format="csr")
+        self.layer = RowsLayer(body.comm, rows, body.dimension)
         self._reference: Array = np.array([place.reference for place in places])
-
-    def part(self, chosen: Indices) -> MeshedAttachment:
-        """Some of the places."""
-        return MeshedAttachment(self.body, [self._places[number] for number in chosen])
-
-    def gather(self, values: Array) -> Array:
-        """Values of the places, (n, ...), from those of the owned nodes; collective."""
-        flat = values.reshape(self.body.size, math.prod(values.shape[2:]))
-        own = np.asarray(self._rows @ flat, dtype=np.float64)
-        return global_sum(self.body.comm, own).reshape(self.size, *values.shape[1:])
-
-    def add(self, target: Array, values: Array) -> None:
-        """Add values of the places to those of the owned nodes, in place."""
-        target += (self._rows.T @ values.reshape(self._reference.size, -1)).reshape(target.shape)
 
     def values(self, u: Array) -> Array:
         """The places for the owned unknowns u, (n, d); collective."""
-        return self._reference + self.gather(u.reshape(-1, self.body.dimension))
+        return self._reference + self.layer.gather(u.reshape(-1, self._dimension))
 
     def add_forces(self, target: Array, before: Array, now: Array, force: Array) -> None:
         """Add forces on the places, (n, d), N, to the owned unknowns' forces."""
-        self.add(target.reshape(-1, self.body.dimension), force)
+        self.layer.add(target.reshape(-1, self._dimension), force)
 
 
 class RigidPlace(NamedTuple):

@@ -170,7 +170,7 @@ def response_of(
     ]
     if attached is not None:
         assert isinstance(attached.attachment, MeshedAttachment)
-        ports.append(InterfaceDofs.of_nodes(attached.attachment, member.dimension))
+        ports.append(InterfaceDofs.of_nodes(attached.attachment.layer, member.dimension))
     inertia = np.inf if weights is None or member.clamped else weights.mass * member.mass
     return ElasticResponse(member, Compliance(member, factor, ports), sides, inertia)
 
