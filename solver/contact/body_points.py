@@ -139,6 +139,28 @@ class RigidPoints:
         target += (force.ravel() @ rows.reshape(force.size, -1))[self.body.own]
 
 
+class SummedPoints(RigidPoints):
+    """Sums of material points of a rigid body, each of which counts with a share."""
+
+    def __init__(self, body: DenseBody, points: Array, shares: Array):
+        """Take the points, (n, d), in the body's own frame, and their shares, (sums, n)."""
+        super().__init__(body, points)
+        self.count, self._shares = len(shares), shares
+
+    def observe(self, u: Array | None) -> PointState:
+        """The sums for the owned unknowns u."""
+        state = super().observe(u)
+        return PointState(self._shares @ state.position, state.pose)
+
+    def rows(self, pose: Array) -> Array:
+        """Derivatives of the sums over all unknowns, (sums, d, unknowns)."""
+        return np.asarray(np.tensordot(self._shares, super().rows(pose), 1), dtype=np.float64)
+
+    def add_forces(self, target: Array, old: SurfaceState, new: SurfaceState, force: Array) -> None:
+        """Add forces on the sums, (sums, d), N; as of points."""
+        super().add_forces(target, old, new, self._shares.T @ force)
+
+
 class NitschePoints:
     """Contact points of a meshed body, which know the traction of the body there.
 

@@ -126,7 +126,7 @@ class StepProblem:
         self._residual: Array = self.held
         self._attached = balance.attached
         self._linked = () if balance.attached is None else balance.attached.attached.linked
-        self._places = sum(member.attachment.count for member in self._linked)
+        self._places = sum(member.points.count for member in self._linked)
         self._of_places = [kinematics_of_places(model.system.dimension)] if self._places else []
         self.on_places: AttachedForces | None = None
         """What links and forces do at the iterate; None without any."""
@@ -152,7 +152,7 @@ class StepProblem:
             kinematics[number] = found[1]
         if self._attached is not None:
             self.on_places = on_places = self._attached.at(u)
-            self._attached.add_forces(residual, u, -self._weight * on_places.force)
+            self._attached.add_forces(residual, on_places, -self._weight)
         fixed = self._system.fixed
         if len(fixed):
             self.held = residual.take(fixed)

@@ -20,7 +20,6 @@ from typing import Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
-from solver.bodies.attachment import Attachment, RigidAttachment
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.reduced_body import ReducedBody
 from solver.bodies.rigid_body import DenseBody
@@ -41,9 +40,6 @@ Coupling = TypeVar("Coupling")
 Kinematics = Sequence[ContactKinematics | None]
 """Kinematics of all interfaces, and of the places of links; None for what a step leaves out."""
 
-BodyPoints = SurfacePoints | Attachment
-"""Points of a body at which contact or links act."""
-
 
 @dataclass(frozen=True, slots=True)
 class BodyRole:
@@ -62,7 +58,7 @@ class BodyRole:
     first: int
     count: int
     carries: bool
-    points: BodyPoints
+    points: SurfacePoints
     port: int
 
     @property
@@ -81,6 +77,24 @@ class BodyRole:
         if own is None:
             return None
         return own.projection if self.carries else own.own_projection
+
+
+class PlacesOfBody(NamedTuple):
+    """All places of one body at which links and forces act.
+
+    Attributes:
+        body: Its number.
+        own: Its unknowns.
+        places: Numbers of the places.
+        first: Number of the first of them among those of all bodies, body after body.
+        points: The places.
+    """
+
+    body: int
+    own: slice
+    places: Indices
+    first: int
+    points: SurfacePoints
 
 
 class CandidateSet(NamedTuple):
@@ -168,7 +182,7 @@ class DenseConfiguration(NamedTuple):
 
 def _rows(side: BodyRole, pose: Array) -> Array:
     """Rows of the points of a rigid body for all unknowns, (points, d, unknowns)."""
-    assert isinstance(side.points, RigidPoints | RigidAttachment)
+    assert isinstance(side.points, RigidPoints)
     return side.points.rows(pose)
 
 

@@ -10,12 +10,11 @@ from mpi4py import MPI
 import numpy as np
 import scipy.sparse as sp
 
-from solver.bodies.attachment import MeshedAttachment, PlacesOfBody
 from solver.bodies.body import Body
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.reduced_body import ReducedBody
 from solver.bodies.rigid_body import DenseBody
-from solver.contact.body_points import NitschePoints, NodePoints
+from solver.contact.body_points import NitschePoints, NodePoints, SurfacePoints
 from solver.contact.interface import Interface
 from solver.contact.kinematics import Parts
 from solver.contact.pairs import Link
@@ -23,10 +22,10 @@ from solver.scheme.generalized_alpha import TangentWeights
 from solver.stepping.compliance import Compliance, InterfaceDofs
 from solver.stepping.response import (
     AnyResponse,
-    BodyPoints,
     BodyRole,
     DenseResponse,
     ElasticResponse,
+    PlacesOfBody,
 )
 from solver.types import Array
 
@@ -50,7 +49,7 @@ class System:
         self.fixed = np.concatenate(fixed).astype(np.int64)
         """Owned unknowns that do not move."""
 
-        self._ports: dict[tuple[Interface, BodyPoints, bool], InterfaceDofs] = {}
+        self._ports: dict[tuple[Interface, SurfacePoints, bool], InterfaceDofs] = {}
         self._unturned: Array = np.eye(self.dimension)
         self._unturned.flags.writeable = False
 
@@ -72,7 +71,9 @@ class System:
         """Bodies on which springs or dashpots to the ground act, or damping like these, and where
         their unknowns are."""
 
-    def ports(self, points: BodyPoints, interface: Interface, *, tractions: bool) -> InterfaceDofs:
+    def ports(
+        self, points: SurfacePoints, interface: Interface, *, tractions: bool
+    ) -> InterfaceDofs:
         """Rows between points of a meshed body and its nodes: made once, for all tangents."""
         key = interface, points, tractions
         if key not in self._ports:
@@ -141,8 +142,7 @@ def role_of(attached: PlacesOfBody, links: Sequence[Link], sides: Sequence[BodyR
     """
     first = sum(link.interface.count for link in links) + attached.first
     port = sum(side.points.count for side in sides)
-    places = attached.attachment
-    return BodyRole(len(links), first, places.count, False, places, port)
+    return BodyRole(len(links), first, attached.points.count, False, attached.points, port)
 
 
 def response_of(
@@ -169,13 +169,13 @@ def response_of(
         for side in own
     ]
     if attached is not None:
-        assert isinstance(attached.attachment, MeshedAttachment)
-        ports.append(InterfaceDofs.of_nodes(attached.attachment.layer, member.dimension))
+        assert isinstance(attached.points, NodePoints)
+        ports.append(InterfaceDofs.of_nodes(attached.points.layer, member.dimension))
     inertia = np.inf if weights is None or member.clamped else weights.mass * member.mass
     return ElasticResponse(member, Compliance(member, factor, ports), sides, inertia)
 
 
-def ports_of(points: BodyPoints, interface: Interface, *, tractions: bool) -> InterfaceDofs:
+def ports_of(points: SurfacePoints, interface: Interface, *, tractions: bool) -> InterfaceDofs:
     """Rows between points of a meshed body, read with their tractions or not, and its nodes."""
     if isinstance(points, NodePoints):
         return InterfaceDofs.of_nodes(points.layer, points.dimension)
