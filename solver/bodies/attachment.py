@@ -1,13 +1,13 @@
-"""Places on bodies at which links and forces act: where they are, and forces put on them.
+"""Places on bodies at which links and forces act.
 
 A place is a vector that follows its body: a point of it, a mean over points, or an axis that turns
 with it. Of a meshed body it is linear in the unknowns, of a rigid one a sum of material points; so
 rows over a step give its change exactly, and forces along them do exactly the work of that change.
+The places of a body are points of it as contact has them (`solver/contact/body_points.py`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import basix.ufl
@@ -16,11 +16,9 @@ import scipy.sparse as sp
 import ufl
 from dolfinx import fem, geometry, la, mesh
 
-from solver.bodies.body import Body
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.packed_form import PackedForm
 from solver.bodies.reduced_body import ReducedBody
-from solver.bodies.rigid_body import DenseBody
 from solver.parallel import global_sum
 from solver.types import Array, Indices
 
@@ -37,29 +35,6 @@ class MeshedPlace(NamedTuple):
     reference: Array
 
 
-class MeshedAttachment:
-    """Places of a meshed body."""
-
-    def __init__(self, body: ElasticBody | ReducedBody, places: Sequence[MeshedPlace]):
-        """Take the body and its places."""
-        self.body, self.count = body, len(places)
-        self.rows = sp.vstack([place.rows for place in places], format="csr")
-        self.reference: Array = np.array([place.reference for place in places])
-
-    def values(self, u: Array) -> Array:
-        """The places for the owned unknowns u, (n, d); collective."""
-        return self.reference + self.read(u)
-
-    def read(self, vector: Array) -> Array:
-        """Displacements of the places, (n, d); collective."""
-        own = np.asarray(self.rows @ vector, dtype=np.float64)
-        return global_sum(self.body.comm, own).reshape(self.reference.shape)
-
-    def add_forces(self, target: Array, before: Array, now: Array, force: Array) -> None:
-        """Add forces on the places, (n, d), N, to the owned unknowns' forces."""
-        target += self.rows.T @ force.ravel()
-
-
 class RigidPlace(NamedTuple):
     """A place of a rigid body: a sum of material points.
 
@@ -70,48 +45,6 @@ class RigidPlace(NamedTuple):
 
     points: Array
     shares: Array
-
-
-class RigidAttachment:
-    """Places of a rigid body."""
-
-    def __init__(self, body: DenseBody, places: Sequence[RigidPlace]):
-        """Take the body and its places."""
-        self.body, self.count = body, len(places)
-        self._points = np.concatenate([place.points for place in places])
-        self._shares: Array = sp.block_diag([place.shares[None] for place in places]).toarray()
-
-    def values(self, u: Array) -> Array:
-        """The places for the owned unknowns u, (n, d); collective."""
-        places = self.body.material_positions(self._points, self.body.replicate(u))
-        return np.asarray(self._shares @ places)
-
-    def rows(self, pose: Array) -> Array:
-        """Derivatives of the places over all unknowns, (n, d, unknowns)."""
-        rows = self.body.rows(self._points, pose)
-        return np.asarray(np.tensordot(self._shares, rows, ([1], [0])), dtype=np.float64)
-
-    def add_forces(self, target: Array, before: Array, now: Array, force: Array) -> None:
-        """Add forces on the places, (n, d), N, to the owned unknowns' forces.
-
-        Their work between the two displacements of owned unknowns is exact.
-        """
-        ends = self.body.replicate(before), self.body.replicate(now)
-        rows = self.body.increment_rows(self._points, *ends)
-        own = self._shares.T @ force
-        target += np.tensordot(own, rows, 2)[self.body.own]
-
-
-Attachment = MeshedAttachment | RigidAttachment
-"""Places of a body."""
-
-
-def attachment_of(body: Body, places: Sequence[Any]) -> Attachment:
-    """The places of a body, each of the kind that it has."""
-    if isinstance(body, DenseBody):
-        return RigidAttachment(body, places)
-    assert isinstance(body, ElasticBody | ReducedBody)
-    return MeshedAttachment(body, places)
 
 
 def point_of(body: ElasticBody, place: Array) -> MeshedPlace:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from solver.parallel import global_sum
 
 if TYPE_CHECKING:
     from mpi4py import MPI
@@ -90,3 +93,28 @@ class Layer:
             target[self.index] = target.take(self.index, axis=0) + values
         else:
             target[self.local] += values[self.position]
+
+
+class RowsLayer(Layer):
+    """Nodes that follow from all owned nodes of a body by rows of their own."""
+
+    def __init__(self, comm: MPI.Intracomm, rows: Any, dimension: int):
+        """Take the rows, (nodes d, owned unknowns), an array or a sparse matrix."""
+        self.comm, self._rows, self._d = comm, rows, dimension
+        self.size, self.direct = rows.shape[0] // dimension, False
+
+    def part(self, chosen: NDArray[np.int64]) -> RowsLayer:
+        """The layer of some of its nodes, in the order of their places here."""
+        rows = (chosen[:, None] * self._d + np.arange(self._d)).ravel()
+        return RowsLayer(self.comm, self._rows[rows], self._d)
+
+    def gather(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Values of the nodes, (size, ...), from those of the owned nodes, (n, ...)."""
+        flat = values.reshape(self._rows.shape[1], math.prod(values.shape[2:]))
+        own = np.asarray(self._rows @ flat, dtype=np.float64)
+        return global_sum(self.comm, own).reshape(self.size, *values.shape[1:])
+
+    def add(self, target: NDArray[np.float64], values: NDArray[np.float64]) -> None:
+        """Add values of the nodes to those of the owned nodes, in place."""
+        flat = values.reshape(self._rows.shape[0], math.prod(values.shape[2:]))
+        target += (self._rows.T @ flat).reshape(target.shape)

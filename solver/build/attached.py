@@ -25,7 +25,8 @@ from solver.build.block_body import BlockBody
 from solver.build.foundation import FoundationBody
 from solver.contact.carriers import Face
 from solver.excitation.forces import mean_factor, normal_of, place_of, whole_force
-from solver.law.links import laws_of, sense_of
+from solver.law.links import axes_of as axes_of_link
+from solver.law.links import laws_of
 from solver.scene import Scene
 from solver.scene.force import ForceSpec
 from solver.scene.laws import GROUND
@@ -164,10 +165,7 @@ def _places_of(
         yield BodyPlace(ends[name].body, ends[name].point(place))
     if not link.is_axial:
         own = ends[link.between[0]]
-        # At the start they are those of space, and turn with the first body from there.
-        axes = poses[link.between[0]].rotation.copy()
-        axes[-1] *= sense_of(link, poses)
-        for direction in axes:
+        for direction in axes_of_link(link, poses):
             yield BodyPlace(own.body, own.axis(direction))
 
 

@@ -29,11 +29,11 @@ from solver.bodies.modes import STATIC, eigenvalues, sway_frequency
 from solver.bodies.reduced_body import (
     ReducedBody,
     ReducedFacts,
-    ReducedLayer,
     ReducedParts,
     Reduction,
 )
 from solver.bodies.rigid_body import Oscillator
+from solver.bodies.surface_layer import RowsLayer
 from solver.build.meshed_body import meshed_body
 from solver.contact.body_points import FixedPoints, NodePoints, RigidPoints
 from solver.contact.carriers import Carrier, Face, Plane
@@ -409,10 +409,8 @@ class Reduced(NamedTuple):
     reduction: Reduction
     parts: ReducedParts
     storeys: Storeys
-    places: Indices
-    """Places of kept nodes on the face."""
     rows: Array
-    """Rows of the other nodes of the face."""
+    """Rows of the nodes of the face."""
 
 
 def reduced_foundation(
@@ -439,15 +437,13 @@ def reduced_foundation(
 
     face, centres, floors, reduction = on_first_rank(comm, make)
     facts, d, none = reduction.facts, scene.dimension, np.empty(0, dtype=np.int64)
-    size = len(face["positions"])
     if found:
         (own,) = found
-        body, storeys = ReducedBody(comm, facts, own.parts), own.storeys
-        layer = ReducedLayer(comm, own.places, own.rows, size)
+        body, storeys, rows = ReducedBody(comm, facts, own.parts), own.storeys, own.rows
     else:
-        body, layer = ReducedBody(comm, facts, None), ReducedLayer(comm, none, _none(0), size)
+        body, rows = ReducedBody(comm, facts, None), np.zeros((face["positions"].size, 0))
         storeys = Storeys([Foot(none, centre) for centre in centres], [_none(d - 1)] * floors)
-    surface = Facets(**face, layer=layer)
+    surface = Facets(**face, layer=RowsLayer(comm, rows, d))
     return FoundationBody.on_facets(number, body, surface, storeys, reduction)
 
 
@@ -487,8 +483,7 @@ def _reduced(scene: Scene, full: FoundationBody, ground: GroundMotion) -> Reduce
         Reduction.of(_facts(body, shapes.unknowns), basis, nodes),
         parts,
         _reduced_storeys(full.storeys, kept, shapes),
-        places=touched,
-        rows=shapes.rows(_unknowns(np.delete(top, touched), d)),
+        rows=shapes.rows(_unknowns(top, d)),
     )
 
 

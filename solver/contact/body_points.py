@@ -122,8 +122,11 @@ class RigidPoints:
     def velocity(self, u: Array | None, v: Array | None) -> Array:
         """Velocities of the points."""
         assert u is not None and v is not None
-        rows = self.body.rows(self.reference, self.body.replicate(u))
-        return rows @ self.body.replicate(v)
+        return self.rows(self.body.replicate(u)) @ self.body.replicate(v)
+
+    def rows(self, pose: Array) -> Array:
+        """Derivatives of the points' positions over all unknowns, (n, d, unknowns)."""
+        return self.body.rows(self.reference, pose)
 
     def add_forces(self, target: Array, old: SurfaceState, new: SurfaceState, force: Array) -> None:
         """Add forces on the points, (n, d), N, to the owned unknowns' forces.
@@ -134,6 +137,28 @@ class RigidPoints:
         assert old.pose is not None and new.pose is not None
         rows = self.body.increment_rows(self.reference, old.pose, new.pose)
         target += (force.ravel() @ rows.reshape(force.size, -1))[self.body.own]
+
+
+class SummedPoints(RigidPoints):
+    """Sums of material points of a rigid body, each of which counts with a share."""
+
+    def __init__(self, body: DenseBody, points: Array, shares: Array):
+        """Take the points, (n, d), in the body's own frame, and their shares, (sums, n)."""
+        super().__init__(body, points)
+        self.count, self._shares = len(shares), shares
+
+    def observe(self, u: Array | None) -> PointState:
+        """The sums for the owned unknowns u."""
+        state = super().observe(u)
+        return PointState(self._shares @ state.position, state.pose)
+
+    def rows(self, pose: Array) -> Array:
+        """Derivatives of the sums over all unknowns, (sums, d, unknowns)."""
+        return np.asarray(np.tensordot(self._shares, super().rows(pose), 1), dtype=np.float64)
+
+    def add_forces(self, target: Array, old: SurfaceState, new: SurfaceState, force: Array) -> None:
+        """Add forces on the sums, (sums, d), N; as of points."""
+        super().add_forces(target, old, new, self._shares.T @ force)
 
 
 class NitschePoints:

@@ -225,7 +225,7 @@ class MeshedLinks:
         """Write the links; collective."""
         attached, state = self._run.assembly.stepper.attached, self._run.state
         assert attached is not None and state.body_links is not None
-        places = attached.values(state.u)
+        places = attached.observe(state.u).places
         ends = np.array([places[list(link.ends)] for link in attached.links.links])
         self._lines.write(time, ends, attached.links.numbers(state.body_links))
 

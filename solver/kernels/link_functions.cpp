@@ -8,9 +8,10 @@ namespace {
 /// The law in a row of numbers: stiffness, damping, gap, whether it resists compression, yield.
 LinkLaw law_in(const Array<1>& row) { return {row(0), row(1), row(2), row(3) != 0, row(4)}; }
 
-/// Mean forces of a step of dt between elastic extensions, and their derivatives over the second; at it alone
-/// where dt is infinite.
-void link_forces(Array<2> laws, Array<1> from, Array<1> to, double dt, Output<1> force, Output<1> slope) {
+/// Mean forces in a step of dt of what acts for a while, between elastic extensions, and their derivatives over the
+/// second; at it alone where dt is infinite.
+void link_forces(Array<2> laws, Array<1> from, Array<1> to, Array<1> acts, double dt, Output<1> force,
+                 Output<1> slope) {
     for (std::ptrdiff_t i = 0; i < laws.length(); i++) {
         const LinkLaw law = law_in(laws[i]);
         if (std::isinf(dt)) {
@@ -18,7 +19,7 @@ void link_forces(Array<2> laws, Array<1> from, Array<1> to, double dt, Output<1>
             slope(i) = law.slope(to(i));
             continue;
         }
-        const auto [impulse, change] = law.impulse(from(i), to(i), dt);
+        const auto [impulse, change] = law.impulse(from(i), to(i), acts(i));
         force(i) = -impulse / dt;
         slope(i) = -change / dt;
     }

@@ -95,13 +95,11 @@ def into_frame(vectors: Array, turns: Array, factor: float, turned: Array, total
         total: Their sum, (d,).
     """
 
-def out_of_frame(nodes: Array, push: Array, turns: Array, vectors: Array) -> None:
-    """Fill in R (x + S p), vectors one after another in (n d,)."""
+def out_of_frame(nodes: Array, others: Array, rotation: Array, moved: Array) -> None:
+    """Fill in R (x + y) of two motions, vectors one after another in (n d,)."""
 
-def moved_with_strain(
-    nodes: Array, push: Array, strain: Array, vectors: Array, turns: Array, moved: Array
-) -> None:
-    """Fill in R (x + S p) where forces (m, d) add strain, (n d,), and push, as vectors (n d,)."""
+def add_shift(vectors: Array, shift: Array, nodes: Array) -> None:
+    """Add S p to all nodes (n d,), with p the sum of vectors (m, d) and S (d, d)."""
 
 def point_vectors(
     force: Array, weight: float, frames: Array, rotation: Array, vectors: Array
@@ -127,35 +125,17 @@ def read_points(
     column: Indices,
     weight: Array,
     nodes: Array,
-    push: Array,
-    shift: Array,
     read: Array,
 ) -> None:
-    """Fill in what sparse rows read from a motion x + S p: of points, (m, d), row after row.
+    """Fill in what sparse rows read from a motion x: of points, (m, d), row after row.
 
     Args:
         start: Place of the first entry of each row, and their end, (m d + 1,).
         column: Number of the unknown of each entry.
         weight: By which it counts.
         nodes: x, (n d,), m.
-        push: p, (d,), N.
-        shift: S, (d, d), m/N.
         read: (m, d), m.
     """
-
-def add_readings(
-    moved: Array,
-    first: int,
-    sign: float,
-    start: Indices,
-    column: Indices,
-    weight: Array,
-    nodes: Array,
-    push: Array,
-    frame: Array,
-    turns: Array,
-) -> None:
-    """Add to places of points what rows as of `read_points` read; otherwise as `add_places`."""
 
 def mark_ports(
     near: Indices, first: int, count: int, port: int, nodes: Indices, used: Mask
@@ -950,11 +930,12 @@ def solve_points(
 # the force at which it flows (N), (n, 5); extensions, (n,), m, are without the plastic part.
 
 def link_forces(
-    laws: Array, start: Array, end: Array, step: float, force: Array, slope: Array
+    laws: Array, start: Array, end: Array, acts: Array, step: float, force: Array, slope: Array
 ) -> None:
     """Fill in mean forces over a step between extensions, N, and their derivatives over the end.
 
-    The dashpots' are in them. Where the step (s) is infinite they are those at the end.
+    The dashpots' are in them. Links act for times in the step, s, up to their ends. Where the step
+    (s) is infinite forces are those at the end.
     """
 
 def link_springs(laws: Array, elastic: Array, force: Array, energy: Array, flow: Array) -> None:

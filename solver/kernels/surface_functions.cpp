@@ -61,49 +61,32 @@ void point_vectors(Array<2> force, double weight, Array<3> frames, Array<2> rota
     });
 }
 
-void moved_with_strain(Array<1> nodes, Array<1> push, Array<1> strain, Array<2> vectors, Array<3> turns,
-                       Output<1> moved) {
-    in_dimension(push.length(), [&](auto d) {
-        const Turns<d> at(turns.data());
-        const auto further = at.shifted(sum_of<d>(vectors.data(), vectors.length()));
-        rockslip::out_of_frame<d>(nodes.data(), nodes.length() / d, at, vector_at<d>(push.data()), strain.data(),
-                                  further, moved.data());
+void out_of_frame(Array<1> nodes, Array<1> others, Array<2> rotation, Output<1> moved) {
+    in_dimension(rotation.length(), [&](auto d) {
+        rockslip::out_of_frame<d>(nodes.data(), others.data(), nodes.length() / d, matrix_at<d>(rotation.data()),
+                                  moved.data());
     });
 }
 
-void out_of_frame(Array<1> nodes, Array<1> push, Array<3> turns, Output<1> vectors) {
-    in_dimension(push.length(), [&](auto d) {
-        rockslip::out_of_frame<d>(nodes.data(), nodes.length() / d, Turns<d>(turns.data()),
-                                  vector_at<d>(push.data()), nullptr, {}, vectors.data());
+void add_shift(Array<2> vectors, Array<2> shift, Output<1> nodes) {
+    in_dimension(shift.length(), [&](auto d) {
+        rockslip::add_shift<d>(vectors.data(), vectors.length(), matrix_at<d>(shift.data()), nodes.data(),
+                               nodes.length() / d);
     });
 }
 
 void add_places(Output<2> moved, std::int64_t first, double sign, Array<2> motions, Array<3> frame,
                 Array<2> rotation) {
     in_dimension(motions.length(1), [&](auto d) {
-        const auto motion = [&](std::ptrdiff_t p) { return vector_at<d>(motions.data() + d * p); };
-        rockslip::add_places<d>(moved.data() + d * first, motions.length(), sign, motion, frame,
+        rockslip::add_places<d>(moved.data() + d * first, motions.length(), sign, motions.data(), frame,
                                 matrix_at<d>(rotation.data()));
     });
 }
 
-void read_points(Indices<1> start, Indices<1> column, Array<1> weight, Array<1> nodes, Array<1> push, Array<2> shift,
-                 Output<2> read) {
-    in_dimension(push.length(), [&](auto d) {
-        const auto all = mul(matrix_at<d>(shift.data()), vector_at<d>(push.data()));
-        const PointReader<d> reader{start.data(), column.data(), weight.data(), nodes.data(), all};
-        for (std::ptrdiff_t p = 0; p < read.length(); p++) fill_in(read[p], reader(p));
-    });
-}
-
-void add_readings(Output<2> moved, std::int64_t first, double sign, Indices<1> start, Indices<1> column,
-                  Array<1> weight, Array<1> nodes, Array<1> push, Array<3> frame, Array<3> turns) {
-    in_dimension(push.length(), [&](auto d) {
-        const Turns<d> at(turns.data());
-        const auto all = at.shifted(vector_at<d>(push.data()));
-        const PointReader<d> reader{start.data(), column.data(), weight.data(), nodes.data(), all};
-        rockslip::add_places<d>(moved.data() + d * first, (start.length() - 1) / d, sign, reader, frame, at.rotation);
-    });
+void read_points(Indices<1> start, Indices<1> column, Array<1> weight, Array<1> nodes, Output<2> read) {
+    read.fill(0.0);
+    for (std::ptrdiff_t row = 0; row < start.length() - 1; row++)
+        for (std::int64_t a = start[row]; a < start[row + 1]; a++) read.data()[row] += weight[a] * nodes[column[a]];
 }
 
 void mark_ports(Indices<1> near, std::int64_t first, std::int64_t count, std::int64_t port, Indices<2> nodes,
@@ -144,11 +127,10 @@ std::vector<PyMethodDef> surface_functions() {
         entry<add_contact_forces>("add_contact_forces"),
         entry<into_frame>("into_frame"),
         entry<point_vectors>("point_vectors"),
-        entry<moved_with_strain>("moved_with_strain"),
         entry<out_of_frame>("out_of_frame"),
+        entry<add_shift>("add_shift"),
         entry<add_places>("add_places"),
         entry<read_points>("read_points"),
-        entry<add_readings>("add_readings"),
         entry<mark_ports>("mark_ports"),
         entry<add_loads>("add_loads"),
         entry<add_compliance>("add_compliance"),

@@ -1,7 +1,7 @@
 // Motions of a meshed body in the frame that turns with it.
 //
-// Nodes are d numbers each, one after another. A body moves by R (x + S p): x of each node, and p, the
-// forces that make the motion, added up over all nodes.
+// Nodes are d numbers each, one after another. A body moves by R x; forces add S p to x of all nodes, with
+// p their sum.
 #pragma once
 
 #include <algorithm>
@@ -31,9 +31,6 @@ template <int d> struct Turns {
                 shift[i][j] /= inertia;
             }
     }
-
-    /// Displacement of all nodes alike by a push: S p.
-    Vec<d> shifted(const Vec<d>& push) const { return mul(shift, push); }
 };
 
 /// Fills in multiples of R_m^T x of the vectors x of nodes; returns their sum.
@@ -57,30 +54,30 @@ Vec<d> point_vector(const double* force, double weight, const double* frame, con
     return transposed_mul(rotation, space);
 }
 
-/// Fills in R (x + S p) of nodes; `strain`, if any, adds to x, and all nodes move `further` with it.
+/// Fills in R (x + y) of two motions of nodes.
 template <int d>
-void out_of_frame(const double* nodes, std::ptrdiff_t count, const Turns<d>& turns, const Vec<d>& push,
-                  const double* strain, const Vec<d>& further, double* moved) {
-    const Vec<d> shift = turns.shifted(push);
+void out_of_frame(const double* nodes, const double* others, std::ptrdiff_t count, const Mat<d, d>& rotation,
+                  double* moved) {
     for (std::ptrdiff_t n = 0; n < d * count; n += d) {
-        Vec<d> own = vector_at<d>(nodes + n) + shift;
-        if (strain) own += vector_at<d>(strain + n) + further;
-        const Vec<d> found = mul(turns.rotation, own);
+        const Vec<d> found = mul(rotation, vector_at<d>(nodes + n) + vector_at<d>(others + n));
         std::copy_n(found.begin(), d, moved + n);
     }
 }
 
-/// The sum of vectors, (m, d).
-template <int d> Vec<d> sum_of(const double* vectors, std::ptrdiff_t count) {
+/// Adds S p of vectors of forces (m, d) to all nodes alike.
+template <int d>
+void add_shift(const double* vectors, std::ptrdiff_t count, const Mat<d, d>& shift, double* nodes,
+               std::ptrdiff_t all) {
     Vec<d> total{};
-    for (std::ptrdiff_t p = 0; p < count; p++) total += vector_at<d>(vectors + d * p);
-    return total;
+    for (std::ptrdiff_t p = 0; p < d * count; p += d) total += vector_at<d>(vectors + p);
+    const Vec<d> further = mul(shift, total);
+    for (std::ptrdiff_t n = 0; n < d * all; n++) nodes[n] += further[static_cast<std::size_t>(n % d)];
 }
 
-/// Adds motions of points in the frame of their body to their places over a carrier: `motion(p)`, m, counts
-/// with a sign, -1 where the body carries the points. Frames are of all points (1, d, d) or of each.
-template <int d, class Motion>
-void add_places(double* places, std::ptrdiff_t count, double sign, const Motion& motion, const Array<3>& frames,
+/// Adds motions of points (m, d) in the frame of their body to their places over a carrier: they count with a
+/// sign, -1 where the body carries the points. Frames are of all points (1, d, d) or of each.
+template <int d>
+void add_places(double* places, std::ptrdiff_t count, double sign, const double* motions, const Array<3>& frames,
                 const Mat<d, d>& rotation) {
     Mat<d, d> turned{};
     for (std::ptrdiff_t p = 0; p < count; p++) {
@@ -88,28 +85,12 @@ void add_places(double* places, std::ptrdiff_t count, double sign, const Motion&
             turned = {};
             add_product(turned, matrix_at<d>(frames[p].data()), rotation, 1.0);
         }
-        const Vec<d> moved = motion(p);
+        const double* moved = motions + d * p;
         double* place = places + d * p;
         for (int i = 0; i < d; i++)
             for (int j = 0; j < d; j++) place[i] += sign * turned[i][j] * moved[j];
     }
 }
-
-/// What sparse rows read from a motion, point by point.
-template <int d> struct PointReader {
-    const std::int64_t *start, *column;
-    const double *weight, *nodes;
-    Vec<d> shift;  // S p
-
-    /// Of a point, m.
-    Vec<d> operator()(std::ptrdiff_t p) const {
-        Vec<d> read{};
-        for (int i = 0; i < d; i++)
-            for (std::int64_t a = start[p * d + i]; a < start[p * d + i + 1]; a++)
-                read[i] += weight[a] * (nodes[column[a]] + shift[static_cast<std::uint64_t>(column[a]) % d]);
-        return read;
-    }
-};
 
 /// Adds `weight` times the compliance of a turned body among points to W, (m, d, m, d), m/N.
 ///

@@ -9,11 +9,22 @@ from geometry.arrangement import Pose
 from solver.kernels.world import LinkLaw
 from solver.scene.link import LinkSpec
 from solver.scene.places import second_is_above
+from solver.types import Array
 
 
 def sense_of(spec: LinkSpec, placed: Mapping[str, Pose]) -> float:
     """Factor on the vertical axis that makes extensions positive where the two bodies part."""
     return 1.0 if second_is_above(spec, placed) else -1.0
+
+
+def axes_of(spec: LinkSpec, placed: Mapping[str, Pose]) -> Array:
+    """Axes of a link that is not axial, in the own frame of its first body, (d, d).
+
+    At the start they are those of space, and turn with the body from there.
+    """
+    axes = placed[spec.between[0]].rotation.copy()
+    axes[-1] *= sense_of(spec, placed)
+    return axes
 
 
 def laws_of(spec: LinkSpec, d: int) -> list[LinkLaw]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from geometry.arrangement import Pose
 from solver.kernels.world import Link
-from solver.law.links import laws_of, sense_of
+from solver.law.links import axes_of, laws_of, sense_of
 from solver.scene.link import LinkSpec
 from solver.scene.places import link_ends
 from solver.types import Array
@@ -37,8 +37,7 @@ def link_of(
     ]
     axes, length = None, np.asarray(spec.length or float(np.linalg.norm(between)))
     if not spec.is_axial:
-        axes = placed[spec.between[0]].rotation.copy()
-        axes[-1] *= sense_of(spec, placed)
+        axes = axes_of(spec, placed)
         length = between * np.array([*[1.0] * (len(between) - 1), sense_of(spec, placed)])
     first, second = (numbers[name] for name in spec.between)
     return Link(

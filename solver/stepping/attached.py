@@ -7,12 +7,20 @@ exactly the work that springs store and the ledger books.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+import scipy.sparse as sp
 
-from solver.bodies.attachment import Attachment, MeshedPlace, RigidPlace, attachment_of
+from solver.bodies.attachment import MeshedPlace, RigidPlace
+from solver.bodies.body import Body
+from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.reduced_body import ReducedBody
+from solver.bodies.rigid_body import DenseBody
+from solver.bodies.surface_layer import RowsLayer
+from solver.contact.body_points import NodePoints, SummedPoints, SurfaceState
 from solver.stepping.body_links import BodyLinks, LinkForces, LinkMemory
+from solver.stepping.response import PlacesOfBody
 from solver.stepping.system import System
 from solver.types import Array, Indices, Mask
 
@@ -43,20 +51,28 @@ class AppliedForce(NamedTuple):
     mean: Callable[[float, float], float]
 
 
-class PlacesOfBody(NamedTuple):
-    """All places of one body.
+class PlacesSeen(NamedTuple):
+    """All places at an instant.
 
     Attributes:
-        body: Its number.
-        own: Its unknowns.
-        places: Numbers of the places.
-        attachment: The places.
+        places: (n, d), m.
+        states: Those of each body that has any, as it keeps them.
     """
 
-    body: int
-    own: slice
-    places: Indices
-    attachment: Attachment
+    places: Array
+    states: Sequence[SurfaceState]
+
+
+def points_of(body: Body, places: Sequence[Any]) -> NodePoints | SummedPoints:
+    """The places of a body, each of the kind that it has."""
+    if isinstance(body, DenseBody):
+        points = np.concatenate([place.points for place in places])
+        shares = sp.block_diag([place.shares[None] for place in places]).toarray()
+        return SummedPoints(body, points, shares)
+    assert isinstance(body, ElasticBody | ReducedBody)
+    rows = sp.vstack([place.rows for place in places], format="csr")
+    layer = RowsLayer(body.comm, rows, body.dimension)
+    return NodePoints(body, layer, np.array([place.reference for place in places]))
 
 
 class Attached:
@@ -66,6 +82,8 @@ class Attached:
         links: The links.
         forces: The forces.
         members: The places body by body.
+        linked: Those that corrections know as points of bodies: all, or none without links.
+        moving: Numbers of those that are not on the ground, body after body.
     """
 
     def __init__(
@@ -84,30 +102,22 @@ class Attached:
                 self._still[number] = place
             else:
                 numbers.setdefault(body, []).append(number)
-        self.members = tuple(
-            PlacesOfBody(
-                body,
-                system.slices[body],
-                np.array(own),
-                attachment_of(system.bodies[body], [places[number].place for number in own]),
-            )
-            for body, own in sorted(numbers.items())
-        )
+        members, first = list[PlacesOfBody](), 0
+        for body, own in sorted(numbers.items()):
+            found = points_of(system.bodies[body], [places[number].place for number in own])
+            members.append(PlacesOfBody(body, system.slices[body], np.array(own), first, found))
+            first += found.count
+        self.members = tuple(members)
+        self.linked = self.members if links.count else ()
+        self.moving: Indices = np.concatenate([member.places for member in members])
 
-    def values(self, u: Array) -> Array:
-        """All places for all owned unknowns u, (n, d), m; collective."""
-        found = self._still.copy()
-        for _, own, places, attachment in self.members:
-            found[places] = attachment.values(u[own])
-        return found
-
-    def add_forces(self, target: Array, before: Array, now: Array, force: Array) -> None:
-        """Add forces on all places, (n, d), N, to those on all owned unknowns.
-
-        Their work between the two displacements is exact.
-        """
-        for _, own, places, attachment in self.members:
-            attachment.add_forces(target[own], before[own], now[own], force[places])
+    def observe(self, u: Array) -> PlacesSeen:
+        """All places for all owned unknowns u; collective."""
+        found, states = self._still.copy(), []
+        for _, own, places, _, points in self.members:
+            states.append(points.observe(u[own]))
+            found[places] = states[-1].position
+        return PlacesSeen(found, states)
 
     def applied(self, time: float, dt: float) -> Array:
         """Mean forces on all places over a step of dt (s) from a time, (n, d), N."""
@@ -121,13 +131,13 @@ class AttachedForces(NamedTuple):
     """What links and forces do at an iterate.
 
     Attributes:
-        places: (n, d), m.
+        seen: All places.
         force: On them, (n, d), N.
         rows: What changes of places do to extensions of links, (extensions, n, d).
         links: The links' own part.
     """
 
-    places: Array
+    seen: PlacesSeen
     force: Array
     rows: Array
     links: LinkForces
@@ -166,17 +176,24 @@ class StepAttached:
     ):
         """Begin at the unknowns of t_n; in equilibrium dt is infinite, and links stand."""
         self.attached, self.applied, self.memory = attached, applied, memory
-        self._start, self._dt = start, dt
-        self._before = attached.values(start)
+        self._before, self._dt = attached.observe(start), dt
         self.breaks: Mask = np.zeros(attached.links.count, dtype=np.bool_)
 
     def at(self, u: Array) -> AttachedForces:
         """What they do where a step ends at u."""
-        links, now = self.attached.links, self.attached.values(u)
-        found = self.law(links.measure(now))
-        rows = links.rows(now if np.isinf(self._dt) else self._before, now)
+        return self._at(self.attached.observe(u))
+
+    def _at(self, now: PlacesSeen) -> AttachedForces:
+        """What they do where a step ends with these places."""
+        links = self.attached.links
+        found = self.law(links.measure(now.places))
+        rows = links.rows(self._since(now).places, now.places)
         force = self.applied - np.tensordot(found.force, rows, 1)
         return AttachedForces(now, force, rows, found)
+
+    def _since(self, now: PlacesSeen) -> PlacesSeen:
+        """The places at the start of a step that ends with others; in equilibrium these."""
+        return now if np.isinf(self._dt) else self._before
 
     def law(self, extension: Array) -> LinkForces:
         """Forces of links at extensions at the end of the step."""
@@ -185,24 +202,28 @@ class StepAttached:
             return links.in_equilibrium(extension)
         return links.in_step(self.memory, extension, self._dt, self.breaks)
 
-    def add_forces(self, target: Array, u: Array, force: Array) -> None:
-        """Add forces on places, (n, d), N, to those on all owned unknowns; a step ends at u."""
-        before = u if np.isinf(self._dt) else self._start
-        self.attached.add_forces(target, before, u, force)
+    def add_forces(self, target: Array, reached: AttachedForces, factor: float) -> None:
+        """Add what they do at an iterate, times a factor, to forces on all owned unknowns.
+
+        Their work over the step is exact.
+        """
+        ends = zip(self._since(reached.seen).states, reached.seen.states, strict=True)
+        for (_, own, places, _, points), states in zip(self.attached.members, ends, strict=True):
+            points.add_forces(target[own], *states, factor * reached.force[places])
 
     def with_loads(self, load: Array, weight: float) -> Array:
         """Loads, N, with what links and forces do at the start of the step, `weight` times."""
         found = load.copy()
-        self.add_forces(found, self._start, weight * self.at(self._start).force)
+        self.add_forces(found, self._at(self._before), weight)
         return found
 
     def round_off(self, bodies: int, weight: float) -> list[float]:
         """Force on each of so many bodies that round-off of places makes in links, N."""
-        stiffness = self.attached.links.stiffness(len(self._before))
+        stiffness = self.attached.links.stiffness(len(self.applied))
         eps, found = float(np.finfo(float).eps), [0.0] * bodies
-        each = weight * eps * stiffness * np.linalg.norm(self._before, axis=1)
-        for number, _, places, _ in self.attached.members:
-            found[number] = float(np.linalg.norm(each[places]))
+        each = weight * eps * stiffness * np.linalg.norm(self._before.places, axis=1)
+        for member in self.attached.members:
+            found[member.body] = float(np.linalg.norm(each[member.places]))
         return found
 
     def breaks_at(self, reached: AttachedForces) -> bool:
@@ -217,6 +238,6 @@ class StepAttached:
         """What they leave after a step from a time, s, that ended so."""
         assert self.memory is not None
         links = self.attached.links
-        work = float((self.applied * (reached.places - self._before)).sum())
+        work = float((self.applied * (reached.seen.places - self._before.places)).sum())
         memory, lost = links.after(self.memory, reached.links, time, self._dt, self.breaks)
         return AttachedEnd(work, lost, links.energy(memory), memory)

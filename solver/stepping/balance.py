@@ -322,7 +322,7 @@ def inertia_force(
         increment = ContactIncrement(memory.seen, c.seen, c.force)
         link.interface.add_forces(increment, system.parts(p, link), weights)
     if step.attached is not None and on_places is not None:
-        step.attached.add_forces(p, ends.u, -impulse * on_places.force)
+        step.attached.add_forces(p, on_places, -impulse)
     return p
 
 

@@ -49,7 +49,7 @@ class LinkForces(NamedTuple):
         extension: Of each direction, (n,), m.
         force: Mean over the step, in tension, (n,), N.
         slope: Derivative of that over the extension, (n,), N/m.
-        share: Part of the step after which each link that breaks in it does, (links,); else 1.
+        share: Part of the step in which each link acts, (links,): less than 1 where it breaks.
     """
 
     extension: Array
@@ -164,7 +164,8 @@ class BodyLinks:
         Those whose length is that at the start pull with their preload until then.
         """
         force, slope = np.empty((2, len(extension)))
-        meshed.link_forces(self._laws, extension, extension, np.inf, force, slope)
+        always = np.full_like(extension, np.inf)
+        meshed.link_forces(self._laws, extension, extension, always, np.inf, force, slope)
         force = np.where(self._waits, self._preload, force)
         slope = np.where(self._waits, 0.0, slope)
         return LinkForces(extension, force, slope, np.ones(self.count))
@@ -173,21 +174,15 @@ class BodyLinks:
 
     def in_step(self, memory: LinkMemory, end: Array, dt: float, breaks: Mask) -> LinkForces:
         """Forces of a step of dt (s) to extensions at its end; `breaks`: in it."""
-        start, whole = memory.extension - memory.plastic, np.ones(self.count)
-        force, slope = np.empty((2, len(end)))
-        meshed.link_forces(self._laws, start, end - memory.plastic, dt, force, slope)
+        start, to = memory.extension - memory.plastic, end - memory.plastic
+        share = np.where(memory.broken, 0.0, 1.0)
         for number in breaks.nonzero()[0]:
-            own = self._own[number]
-            whole[number] = share = self._share(number, start, end - memory.plastic)
-            way = share * (end - memory.plastic - start)
-            if share > 0:
-                given = self._laws[own], start[own], start[own] + way[own], share * dt
-                meshed.link_forces(*given, force[own], slope[own])
-            force[own] *= share
-            slope[own] = 0.0
-        gone = memory.broken[self.of]
-        force[gone] = slope[gone] = 0.0
-        return LinkForces(end, force, slope, whole)
+            share[number] = self._share(number, start, to)
+        acts = share[self.of]
+        to = np.where(acts < 1.0, start + acts * (to - start), to)
+        force, slope = np.empty((2, len(end)))
+        meshed.link_forces(self._laws, start, to, acts * dt, dt, force, slope)
+        return LinkForces(end, force, np.where(acts < 1.0, 0.0, slope), share)
 
     def _share(self, number: int, start: Array, end: Array) -> float:
         """Part of the way between elastic extensions at which a link is loaded as it can bear."""
@@ -216,23 +211,20 @@ class BodyLinks:
         self, memory: LinkMemory, reached: LinkForces, time: float, dt: float, breaks: Mask
     ) -> tuple[LinkMemory, float]:
         """Links after a step of dt (s) from a time, and what flow, dashpots, fracture took, J."""
-        before = self.energy(memory)
-        work = -float(reached.force @ (reached.extension - memory.extension))
-        plastic = memory.plastic + self._springs(reached.extension - memory.plastic)[2]
-        gone = memory.broken[self.of]
-        plastic[gone] = memory.plastic[gone]
-        at, lost = memory.broken_at.copy(), memory.lost.copy()
-        for number in breaks.nonzero()[0]:
-            own, share = self._own[number], reached.share[number]
-            way = share * (reached.extension - memory.extension)[own]
-            elastic = (memory.extension - memory.plastic)[own] + way
-            _, energy, _ = self._springs(elastic, own)
-            at[number], lost[number] = time + share * dt, energy.sum()
-            plastic[own] = memory.plastic[own]
+        way, broken = reached.extension - memory.extension, memory.broken | breaks
+        _, _, flow = self._springs(reached.extension - memory.plastic)
+        to = memory.extension - memory.plastic + reached.share[self.of] * way
+        _, energy, _ = self._springs(to)
+        held = np.bincount(self.of, energy, self.count)
         after = LinkMemory(
-            reached.extension, reached.force, plastic, memory.broken | breaks, at, lost
+            extension=reached.extension,
+            force=reached.force,
+            plastic=memory.plastic + np.where(broken[self.of], 0.0, flow),
+            broken=broken,
+            broken_at=np.where(breaks, time + reached.share * dt, memory.broken_at),
+            lost=np.where(breaks, held, memory.lost),
         )
-        return after, before - work - self.energy(after)
+        return after, self.energy(memory) + float(reached.force @ way) - self.energy(after)
 
     def energy(self, memory: LinkMemory) -> float:
         """Energy of all springs, J."""

@@ -1,10 +1,11 @@
 """Contact compliance (Delassus operator) of a meshed body among its ports.
 
-Ports are points where forces act and motions are read, as rows on the nodes of the body. Columns
+Ports are points where forces act and motions are read, as rows on the nodes of the body: contact
+points, and places of links. Columns
 K^-1 (force rows)^T are solved for many at a time, as points first come near contact, so that a
 standing block never pays for its sides and top. In the frame that turns with the body all of it is
 constant. The compliance among the ports is kept; whole columns are kept with it for as long as they
-take no more memory than the factor, or than 16 MB, beyond which what forces do is a back
+take no more memory than the factor, or than 16 MB. What forces on further ports do is a back
 substitution.
 """
 
@@ -42,6 +43,12 @@ class InterfaceDofs:
     """Rows of the same shape that read the response."""
     count: int
     """Number of points."""
+
+    @classmethod
+    def of_nodes(cls, layer: Layer, d: int) -> InterfaceDofs:
+        """The nodes of a layer themselves, in d dimensions."""
+        rows = sp.identity(layer.size * d, format="csr")
+        return cls(layer, rows, rows, layer.size)
 
     @property
     def symmetric(self) -> bool:
@@ -83,9 +90,9 @@ class Compliance:
         self._matrix: Array = np.empty((0, 0))
         self._chosen: Indices = self._known
         self._among: Array = self._matrix  # of the ports chosen last
-        self.columns: Array | None = np.empty((0, body.size))
-        """Displacements of the owned unknowns under unit forces at all known ports, one after
-        another in (ports d, owned unknowns), m/N; None where they take too much."""
+        self.columns: Array = np.empty((0, body.size))
+        """Displacements of the owned unknowns under unit forces at the ports that were known first,
+        one after another in (ports d, owned unknowns), m/N."""
         self.batches: list[Indices] = []
         """Ports whose columns were solved for together: solved for so again they have the same
         digits."""
@@ -93,8 +100,13 @@ class Compliance:
     @property
     def nbytes(self) -> float:
         """Memory of the factor and of what is kept of its columns, on all ranks together, bytes."""
-        columns = 0.0 if self.columns is None else self._column_bytes(len(self._known))
+        columns = self._column_bytes(self.kept)
         return self.factor.nbytes + columns + self.body.comm.size * self._matrix.nbytes
+
+    @property
+    def kept(self) -> int:
+        """Number of ports whose columns are kept."""
+        return len(self.columns) // self.body.dimension
 
     def among(self, chosen: Indices) -> Array:
         """The compliance of some ports, (m d, m d), m/N; collective."""
@@ -108,9 +120,10 @@ class Compliance:
     def displacement(self, ports: Indices, forces: Array) -> Array:
         """Displacement of the owned unknowns by forces (m, d) at some ports, m; collective."""
         self._compute_missing(ports)
-        if self.columns is not None:
+        kept, place = self.kept, self._place[ports]
+        if kept == len(self._known) or not forces[place >= kept].any():
             moved: Array = np.zeros(self.body.size)
-            meshed.add_columns(self.columns, self._place[ports], forces, moved)
+            meshed.add_columns(self.columns, place, forces, moved)
             return moved
         right = np.zeros((self.body.owned, self.body.dimension))
         for port, own, mine in self._groups(ports):
@@ -161,8 +174,7 @@ class Compliance:
             "use larger cells on the faces that touch",
             self.body.comm,
         )
-        if self._column_bytes(len(known)) > max(self.factor.nbytes, SMALL):
-            self.columns = None
+        keeps = self._column_bytes(len(known)) <= max(self.factor.nbytes, SMALL)
         matrix = np.empty((len(known) * d, len(known) * d))
         matrix[:before, :before] = self._matrix
         acting, near = self._parts(missing), self._parts(known)
@@ -171,12 +183,12 @@ class Compliance:
             place = slice(before + block.start, before + block.stop)
             response = self.factor.solve_many(self._unit_forces(acting, block, forces=True))
             matrix[:, place] = self._read(near, response, forces=False)
-            if self.columns is not None:
+            if keeps:
                 columns.append(response.T)
             if before and not self._symmetric:
                 response = self.factor.solve_many(self._unit_forces(acting, block, forces=False))
                 matrix[place, :before] = self._read(near, response, forces=True)[:before].T
-        if self.columns is not None:
+        if keeps:
             self.columns = np.vstack([self.columns, *columns])
         if self._symmetric:
             matrix[before:, :before] = matrix[:before, before:].T

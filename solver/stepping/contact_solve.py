@@ -12,7 +12,7 @@ bodies:
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -42,27 +42,26 @@ from solver.stepping.delassus import (
     of_no_points,
     own_compliance,
 )
-from solver.stepping.link_correction import (
-    CorrectedBodies,
-    LinkCorrection,
-    PlaceResponse,
-    place_response,
-)
+from solver.stepping.link_correction import LinkCorrection
 from solver.stepping.nonlinear import NonlinearSolver
 from solver.stepping.point_table import PointTable, copied, joined
-from solver.stepping.response import (
-    AnyResponse,
-    CandidateSet,
-    Kinematics,
-    repeat_compliances,
-    saved_compliances,
-)
+from solver.stepping.response import CandidateSet, repeat_compliances, saved_compliances
 from solver.stepping.step_contact import ContactModel, OthersNear, StepContact
 from solver.stepping.system import System, response_of
 from solver.types import Array, Indices, Mask
 
 PLACED_CORRECTIONS = 2
 """Corrections of a step with new positions of the bodies: later ones hardly turn them."""
+
+
+NO_POINTS: Indices = np.empty(0, dtype=np.int64)
+"""Numbers of no points."""
+
+
+def kinematics_of_places(d: int) -> ContactKinematics:
+    """What bodies see of places at which links act: they stand in the frame of space."""
+    nowhere: Array = np.empty((0, d))
+    return ContactKinematics(nowhere, nowhere, np.eye(d))
 
 
 class StepFailed(Exception):
@@ -115,17 +114,20 @@ class StepProblem:
         starts = model.system.slices, balance.rotations
         self._bodies = tuple(zip(tangents.responses, *starts, strict=True))
         operator = tangents.operator
-        if operator is not None and model.points.turning.take(operator.near.number).any():
+        if operator is not None and model.points.turning.take(operator.contacts).any():
             tangents.operator = None
         # At the iterate: its displacement, the state of each interface, and kinematics.
         self._u, self._seen = guess, self._remembered
-        self._kinematics: Kinematics = []
+        self._kinematics: list[ContactKinematics | None] = []
         self._configurations: Sequence[Any] = ()
         self._corrections = 0
         self.held: Array = np.empty(0)
         self.inertia: Array = self.held
         self._residual: Array = self.held
         self._attached = balance.attached
+        self._linked = () if balance.attached is None else balance.attached.attached.linked
+        self._places = sum(member.points.count for member in self._linked)
+        self._of_places = [kinematics_of_places(model.system.dimension)] if self._places else []
         self.on_places: AttachedForces | None = None
         """What links and forces do at the iterate; None without any."""
 
@@ -141,7 +143,7 @@ class StepProblem:
         """Out-of-balance force at u with the current point forces, N."""
         residual, self.inertia = self._balance.smooth_residual(self._system, u)
         seen, parts = self._remembered.copy(), self._system.parts
-        kinematics: list[ContactKinematics | None] = [None] * len(seen)
+        kinematics: list[ContactKinematics | None] = [*[None] * len(seen), *self._of_places]
         for number, link, start, force, weights in self._active:
             seen[number] = found = link.interface.observe(*parts(u, link), start)
             # In equilibrium what is seen counts at both ends.
@@ -150,7 +152,7 @@ class StepProblem:
             kinematics[number] = found[1]
         if self._attached is not None:
             self.on_places = on_places = self._attached.at(u)
-            self._attached.add_forces(residual, u, -self._weight * on_places.force)
+            self._attached.add_forces(residual, on_places, -self._weight)
         fixed = self._system.fixed
         if len(fixed):
             self.held = residual.take(fixed)
@@ -196,48 +198,47 @@ class StepProblem:
             u = self._u
             self._configurations = [response.at(u[own], was) for response, own, was in self._bodies]
         y, self._beyond = self._positions(), self._points_beyond()
-        free = self._free(residual, y)
-        if self._attached is None or not self._attached.attached.links.count:
-            delassus, change = self._settled(y)
-        else:
-            free, delassus, change = self._settled_with_links(free, y)
+        if self._places:
+            y = np.concatenate([y, np.zeros((self._places, y.shape[1]))])
+        free = []
+        for (response, own, _), at in zip(self._bodies, self._configurations, strict=True):
+            free.append(response.free(at, residual[own]))
+            response.read(at, free[-1], y, self._kinematics)
+        settled = self._settled_with_links if self._places else self._settled
+        delassus, change = settled(y)
         found = []
         for k, (response, _, _) in enumerate(self._bodies):
-            at = self._configurations[k]
-            if change is None:
-                found.append(response.owned(at, free[k]))
-            else:
-                how = delassus.couplings[k], delassus.near, change, self._weight
-                found.append(response.respond(at, *how, free[k]))
+            moved = response.at_rest() if change is None else self._moved_by(delassus, change, k)
+            found.append(response.owned(self._configurations[k], free[k], moved))
         return joined(found)
 
-    def _free(self, residual: Array, y: Array) -> list[Any]:
-        """The free motions of all bodies; what they do to augmented positions is added to y."""
-        found = []
-        for k, (response, own, _) in enumerate(self._bodies):
-            found.append(response.free(self._configurations[k], residual[own]))
-            self._read(k, found[-1], y)
-        return found
+    def _moved_by(self, operator: Delassus, force: Array, body: int) -> Any:
+        """The motion of a body by forces at the points of an operator, (m, d), N."""
+        response, at = self._bodies[body][0], self._configurations[body]
+        how = operator.couplings[body], operator.near, force, self._weight
+        return response.moved_by(at, *how)
 
-    def _read(self, body: int, motion: Any, y: Array) -> None:
-        """Add what a motion of a body does to the augmented positions of all points to y."""
-        at, response = self._configurations[body], self._bodies[body][0]
-        response.read(at, motion, y, self._kinematics)
+    def _settled_with_links(self, y: Array) -> tuple[Delassus, Array]:
+        """Let point forces and links obey their laws after the free step to y of points and places.
 
-    def _settled_with_links(
-        self, free: list[Any], y: Array
-    ) -> tuple[list[Any], Delassus, Array | None]:
-        """Let point forces and links obey their laws; the motions of bodies with links besides."""
+        Returns the operator and the change of forces at its points.
+        """
         assert self._attached is not None and self.on_places is not None
-        forces, force = self.contact.force, self.contact.force.copy()
-        bodies = CorrectedBodies(self._configurations, free, self._read, y.shape, self._weight)
-        links = LinkCorrection(self._attached, self.on_places, self._tangents.places, bodies)
+        forces, before, count = self.contact.force, self.contact.force.copy(), self._points.count
+        links = LinkCorrection(self._attached, self.on_places, y[count:])
+        operator = self._operator()
         while True:
-            operator, change = self._settled(links.positions(y), links.condensed)
-            near = operator.near.number
-            if not links.follows(near, change):
-                return links.moved(free), operator, change
-            forces[:] = force
+            positions = y.copy()
+            answer = links.answer(operator, None)
+            for number in (member.body for member in self._linked):
+                response, at = self._bodies[number][0], self._configurations[number]
+                moved = self._moved_by(operator, answer, number)
+                response.read(at, moved, positions, self._kinematics)
+            operator, change = self._settled(positions[:count], links)
+            force = links.answer(operator, change)
+            if links.settled():
+                return operator, force
+            forces[:] = before
 
     def _positions(self) -> Array:
         """Augmented positions of all points at the iterate, from their rest gaps.
@@ -265,39 +266,53 @@ class StepProblem:
         return self._watch.settled(beyond)
 
     def _settled(
-        self, y: Array, condensed: Callable[[Delassus], Delassus] | None = None
+        self, y: Array, links: LinkCorrection | None = None
     ) -> tuple[Delassus, Array | None]:
         """Let the point forces obey the contact law after the free step to y.
 
         Points beyond an edge are put far from their carrier in y, whatever their gap: a foot far
-        beyond an edge goes to and fro with the face. The law is solved with the operator, or what
-        is made of it where it is condensed. Returns the operator of the points that are
-        near, and the change of their forces, (m, d), N; None where no point is near.
+        beyond an edge goes to and fro with the face. Links give way. Returns the operator of the
+        points that are near, and the change of their forces, (m, d), N; None where none is near.
         """
         self._deactivate(y)
         self.contact.tell_slips(y)
-        operator = self._tangents.operator
-        if operator is None:
-            operator = of_no_points(self._system.dimension)
-        elif not operator.fits(self._tangents.responses, self._configurations):
-            near, inactive = operator.near.number, self.active_set.points
-            if inactive is not None and inactive[near].any():
-                operator = of_no_points(self._system.dimension)
-            else:
-                operator = self._tangents.operator = self._delassus(near)
-        through = condensed or _as_it_is
-        while isinstance(change := self.contact.settle(y, through(operator)), OthersNear):
+        operator = self._operator()
+        while True:
+            alone = operator if links is None else links.condensed(operator)
+            change = self.contact.settle(y, alone)
+            if not isinstance(change, OthersNear):
+                return operator, change
             self._model.margin.mark_seen(change.number)
             operator = self._tangents.operator = self._delassus(change.number)
-        return operator, change
+
+    def _operator(self) -> Delassus:
+        """The operator made last, with all bodies as they are at the iterate.
+
+        That of no contact point before the first one, and where points have become inactive.
+        """
+        operator, inactive = self._tangents.operator, self.active_set.points
+        if operator is not None and operator.fits(self._tangents.responses, self._configurations):
+            return operator
+        near = NO_POINTS if operator is None else operator.contacts
+        if inactive is not None and inactive[near].any():
+            near = NO_POINTS
+        if not (len(near) or self._places):
+            return of_no_points(self._system.dimension)
+        operator = self._tangents.operator = self._delassus(near)
+        return operator
 
     def _delassus(self, near: Indices) -> Delassus:
-        """The operator at some points, with all bodies as they are at the iterate."""
+        """The operator at some contact points and all places, with bodies as at the iterate."""
         points, seen = self._points, self._kinematics
+        number, frames = near, points.frames_at(near, seen[: len(points.links)])
+        if self._places:
+            number = np.concatenate([near, points.count + np.arange(self._places)])
+            unturned = np.tile(np.eye(self._system.dimension), (self._places, 1, 1))
+            frames = np.concatenate([frames, unturned])
         return assembled(
             self._tangents.responses,
             self._configurations,
-            CandidateSet(near, points.frames_at(near, seen), seen),
+            CandidateSet(number, frames, seen),
             contact_weight=self._weight,
             softness=points.softness,
             beds=self.contact.beds,
@@ -321,8 +336,9 @@ class StepProblem:
         softness, operator = self._points.softness, self._tangents.operator
         if self.contact.friction.steady or operator is None:
             return softness
-        own, near = softness.copy(), operator.near.number
-        own[near] = np.where(own[near] > 0.0, own[near], own_compliance(operator.W))
+        own, near = softness.copy(), operator.contacts
+        diagonal = own_compliance(operator.W)[: len(near)]
+        own[near] = np.where(own[near] > 0.0, own[near], diagonal)
         return own
 
     def _deactivate(self, y: Array) -> None:
@@ -342,11 +358,6 @@ class StepProblem:
         return found
 
 
-def _as_it_is(operator: Delassus) -> Delassus:
-    """An operator where nothing but contact gives way."""
-    return operator
-
-
 class ContactSolve:
     """Solves balances of the same bodies and interfaces.
 
@@ -364,7 +375,8 @@ class ContactSolve:
         attached: Attached | None = None,
     ):
         """Set SNES up for the bodies, their interfaces, and links and forces on them."""
-        self._attached = attached
+        linked = () if attached is None else attached.linked
+        self._places = {member.body: member for member in linked}
         points = PointTable(system, links)
         self._model = ContactModel(
             system=system,
@@ -476,22 +488,15 @@ class ContactSolve:
             self._make_room()
             system, links = self._model.system, self._model.points.links
             responses = [
-                response_of(system, number, links, body.factorization(own), own)
+                response_of(
+                    system, number, links, body.factorization(own), own, self._places.get(number)
+                )
                 for number, (body, own) in enumerate(zip(system.bodies, weights, strict=True))
             ]
-            self._tangents[weights] = Tangents(responses, places=self._places(responses))
+            self._tangents[weights] = Tangents(responses)
         found = self._tangents.pop(weights)
         self._tangents[weights] = found  # the one used last stands last
         return found
-
-    def _places(self, responses: Sequence[AnyResponse]) -> Sequence[PlaceResponse]:
-        """How the places of links move, body by body; none where there are no links."""
-        if self._attached is None or not self._attached.links.count:
-            return ()
-        members = self._attached.members
-        return [
-            place_response(responses[number], attachment) for number, _, _, attachment in members
-        ]
 
     def _make_room(self) -> None:
         """Drop the tangents used least recently, where one more would be too many; collective."""

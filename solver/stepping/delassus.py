@@ -25,7 +25,7 @@ from solver.kernels import meshed
 from solver.stepping.point_table import PointTable
 from solver.stepping.response import AnyResponse, CandidateSet
 from solver.stepping.system import System
-from solver.types import Array
+from solver.types import Array, Indices
 
 RIGID_SOFTENING = 1e-9
 """Relative diagonal of W for points between rigid bodies, which makes their forces unique."""
@@ -49,10 +49,11 @@ class Delassus(NamedTuple):
 
     Attributes:
         configurations: The configurations of the bodies that it was made with.
-        near: The points, their frames and kinematics.
+        near: The points, their frames and kinematics; behind contact points the places of links.
         couplings: How the points act on each body.
         W: (m, d, m, d), with the softness of the interfaces and of beds, m/N.
-        softening: Part of the diagonal that only makes forces of rigid points unique, (m,), m/N.
+        softening: Part of the diagonal that only makes forces of rigid points unique, of contact
+            points alone, m/N.
     """
 
     configurations: Sequence[Any]
@@ -60,6 +61,11 @@ class Delassus(NamedTuple):
     couplings: Sequence[Any]
     W: Array
     softening: Array
+
+    @property
+    def contacts(self) -> Indices:
+        """Numbers of the contact points."""
+        return self.near.number[: len(self.softening)]
 
     def fits(self, responses: Sequence[AnyResponse], configurations: Sequence[Any]) -> bool:
         """True if it is that of other configurations as well, as far as corrections need it."""
@@ -82,12 +88,10 @@ class Tangents:
     Attributes:
         responses: Responses of all bodies.
         operator: The Delassus operator made last; None before the first.
-        places: How places of links move on the bodies that have any, `PlaceResponse`.
     """
 
     responses: Sequence[AnyResponse]
     operator: Delassus | None = None
-    places: Sequence[Any] = ()
 
     @property
     def nbytes(self) -> float:
@@ -145,10 +149,10 @@ class Softening:
             least[own] = WEIGHT_OVER_ROUND_OFF * round_off / lightest
         return Softening(self.relative, least, self.rigid)
 
-    def at(self, near: CandidateSet, W: Array) -> Array:
-        """The diagonal at candidate points, (m,), m/N, for their W without it."""
-        relative, least = self.relative.take(near.number), self.least.take(near.number)
-        diagonal = own_compliance(W)
+    def at(self, contacts: Indices, W: Array) -> Array:
+        """The diagonal at contact points, the first ones of W, m/N, which is without it."""
+        relative, least = self.relative.take(contacts), self.least.take(contacts)
+        diagonal = own_compliance(W)[: len(contacts)]
         return np.maximum(relative * diagonal, np.minimum(least, LARGEST_SOFTENING * diagonal))
 
 
@@ -172,9 +176,9 @@ def assembled(
     Args:
         responses: Responses of all bodies.
         configurations: Their configurations.
-        near: The candidate points.
+        near: The candidate points, and behind all contact points the places of links.
         contact_weight: w_c.
-        softness: 1/(gamma_h w) of all points, m/N.
+        softness: 1/(gamma_h w) of all contact points, m/N.
         beds: How the beds below all points give way; None where there are none.
         softening: Of all points; None where none needs any.
     """
@@ -184,9 +188,10 @@ def assembled(
         response.couple(configuration, near, contact_weight, W)
         for response, configuration in zip(responses, configurations, strict=True)
     ]
-    added = np.zeros(m) if softening is None else softening.at(near, W)
-    meshed.add_softness(W, near.number, softness, added)
+    contacts = near.number[: near.number.searchsorted(len(softness))]
+    added = np.zeros(len(contacts)) if softening is None else softening.at(contacts, W)
+    meshed.add_softness(W, contacts, softness, added)
     if beds is not None:
-        normal = W.reshape(-1)[:: d * (m * d + 1)]
-        normal += beds.softness.take(near.number)
+        normal = W.reshape(-1)[:: d * (m * d + 1)][: len(contacts)]
+        normal += beds.softness.take(contacts)
     return Delassus(configurations, near, couplings, W, added)

@@ -158,8 +158,8 @@ class VelocityImpulses:
         for response, at, coupling in zip(
             self._responses, operator.configurations, operator.couplings, strict=True
         ):
-            how = coupling, operator.near, impulse, 1.0
-            parts.append(response.respond(at, *how, response.at_rest()))
+            moved = response.moved_by(at, coupling, operator.near, impulse, 1.0)
+            parts.append(response.owned(at, response.at_rest(), moved))
         return joined(parts)
 
     def _operator(self, closed: Indices, u: Array, contacts: Sequence[Contact]) -> Delassus:

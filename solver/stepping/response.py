@@ -8,7 +8,8 @@ platform with its mass. The contact problem sees only rows and a small dense mat
 A response holds nothing of an iteration. What a body is like at a displacement is its
 configuration, and its part in a set of points its coupling; each is a value that is passed
 on to the next call. So is a motion, a correction of its unknowns as surface points are read from
-it: of a meshed body in the frame that turns with it; of a rigid one all unknowns, on every rank.
+it: of the owned nodes of a meshed body in the frame that turns with it, (n d,), m; of a rigid one
+all unknowns, on every rank.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ import numpy as np
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.reduced_body import ReducedBody
 from solver.bodies.rigid_body import DenseBody
-from solver.contact.body_points import SurfacePoints
+from solver.contact.body_points import RigidPoints, SurfacePoints
 from solver.contact.kinematics import ContactKinematics, Interpolation, in_frames
 from solver.kernels import meshed
 from solver.parallel import global_sum
@@ -35,22 +36,21 @@ part of the correction of an iteration, not of the residual, and neglects strain
 
 Configuration = TypeVar("Configuration")
 Coupling = TypeVar("Coupling")
-Motion = TypeVar("Motion")
 
 Kinematics = Sequence[ContactKinematics | None]
-"""Kinematics of all interfaces; None for one that a step leaves out."""
+"""Kinematics of all interfaces, and of the places of links; None for what a step leaves out."""
 
 
 @dataclass(frozen=True, slots=True)
 class BodyRole:
-    """One body's part in an interface.
+    """One body's part in an interface, or among the places of links behind all of these.
 
     Attributes:
         interface: Number of the interface.
         first: Number of its first point among the points of all interfaces.
         count: Number of its points.
         carries: True if the body carries the points, or has them.
-        points: The body's own surface points.
+        points: The body's own surface points, or its places.
         port: Number of the first of them among all ports of the body.
     """
 
@@ -79,6 +79,24 @@ class BodyRole:
         return own.projection if self.carries else own.own_projection
 
 
+class PlacesOfBody(NamedTuple):
+    """All places of one body at which links and forces act.
+
+    Attributes:
+        body: Its number.
+        own: Its unknowns.
+        places: Numbers of the places.
+        first: Number of the first of them among those of all bodies, body after body.
+        points: The places.
+    """
+
+    body: int
+    own: slice
+    places: Indices
+    first: int
+    points: SurfacePoints
+
+
 class CandidateSet(NamedTuple):
     """Points that are in contact or near it, of all interfaces.
 
@@ -103,7 +121,7 @@ class CandidateSet(NamedTuple):
         return result
 
 
-class Response(Protocol[Configuration, Coupling, Motion]):
+class Response(Protocol[Configuration, Coupling]):
     """The face of a body towards the contact problem."""
 
     @property
@@ -119,43 +137,34 @@ class Response(Protocol[Configuration, Coupling, Motion]):
     def close(self, now: Configuration, before: Configuration) -> bool:
         """True if compliances are the same in both, as far as corrections need it."""
 
-    def free(self, at: Configuration, residual: Array) -> Motion:
+    def free(self, at: Configuration, residual: Array) -> Array:
         """The free motion -K^-1 r, without any change of contact forces."""
 
     def read(
         self,
         at: Configuration,
-        free: Motion,
+        motion: Array,
         moved: Array,
         kinematics: Kinematics,
     ) -> None:
-        """Add what a free motion does to the augmented positions of all points to `moved`."""
+        """Add what a motion does to the augmented positions of all points to `moved`."""
 
     def couple(self, at: Configuration, near: CandidateSet, weight: float, W: Array) -> Coupling:
         """Add `weight` times the compliance among near points to W (m, d, m, d)."""
 
-    def at_rest(self) -> Motion:
+    def at_rest(self) -> Array:
         """A motion of zero."""
 
-    def respond(
-        self,
-        at: Configuration,
-        coupling: Coupling,
-        near: CandidateSet,
-        force: Array,
-        weight: float,
-        motion: Motion,
+    def moved_by(
+        self, at: Configuration, coupling: Coupling, near: CandidateSet, force: Array, weight: float
     ) -> Array:
-        """The correction of the owned unknowns by a motion and what forces at near points add.
+        """The motion by forces at near points, (m, d), N, which count `weight` times."""
 
-        Forces, (m, d), N, count `weight` times.
-        """
-
-    def owned(self, at: Configuration, motion: Motion) -> Array:
-        """A motion as a correction of the owned unknowns."""
+    def owned(self, at: Configuration, motion: Array, further: Array) -> Array:
+        """The correction of the owned unknowns that two motions make together."""
 
 
-AnyResponse = Response[Any, Any, Any]
+AnyResponse = Response[Any, Any]
 """The response of a body, whatever its kind."""
 
 
@@ -165,12 +174,16 @@ class DenseConfiguration(NamedTuple):
     Attributes:
         pose: All unknowns; None for a body whose rows are the same everywhere.
         rows: Derivatives of the positions of its own points, (points, d, unknowns).
-        level: Those of points that it carries on an endless plane.
     """
 
     pose: Array | None
     rows: Sequence[Array]
-    level: Sequence[Array]
+
+
+def _rows(side: BodyRole, pose: Array) -> Array:
+    """Rows of the points of a rigid body for all unknowns, (points, d, unknowns)."""
+    assert isinstance(side.points, RigidPoints)
+    return side.points.rows(pose)
 
 
 class DenseResponse:
@@ -198,13 +211,8 @@ class DenseResponse:
 
     def _configuration(self, pose: Array) -> DenseConfiguration:
         """Rows of all surface points for all unknowns."""
-        rows = [self.body.rows(side.points.reference, pose) for side in self.sides]
-        # What carries points on an endless plane moves all of them alike.
-        level = [
-            np.repeat(-rows_of_side[:1], side.count, axis=0)
-            for side, rows_of_side in zip(self.sides, rows, strict=True)
-        ]
-        return DenseConfiguration(None if self.body.clamped else pose, rows, level)
+        rows = [_rows(side, pose) for side in self.sides]
+        return DenseConfiguration(None if self.body.clamped else pose, rows)
 
     def close(self, now: DenseConfiguration, before: DenseConfiguration) -> bool:
         """True if the body has not moved, or has the same rows wherever it is."""
@@ -231,23 +239,24 @@ class DenseResponse:
         side, rows = self.sides[number], at.rows[number]
         spots = side.spots(kinematics)
         if spots is None:
-            return at.level[number][own] if side.carries else rows[own]
+            # What carries points on an endless plane moves all of them alike.
+            return np.repeat(-rows[:1], side.count, axis=0)[own] if side.carries else rows[own]
         weights, nodes = side.sign * spots.weights[own], spots.nodes[own]
         return np.einsum("mk,mkdu->mdu", weights, rows[nodes])
 
     def read(
         self,
         at: DenseConfiguration,
-        free: Array,
+        motion: Array,
         moved: Array,
         kinematics: Kinematics,
     ) -> None:
-        """Add what a free motion does to the positions of all points to `moved`."""
+        """Add what a motion does to the positions of all points to `moved`."""
         for number, side in enumerate(self.sides):
             seen = kinematics[side.interface]
             if seen is not None:
                 rows = self._at(at, number, kinematics)
-                moved[side.own] += in_frames(rows @ free, seen.frame)
+                moved[side.own] += in_frames(rows @ motion, seen.frame)
 
     def couple(self, at: DenseConfiguration, near: CandidateSet, weight: float, W: Array) -> Array:
         """Add the compliance among near points; returns their rows, (m, d, unknowns)."""
@@ -258,34 +267,20 @@ class DenseResponse:
         W += weight * np.tensordot(J / self.tangent, J, ([2], [2]))
         return J
 
-    def respond(
+    def moved_by(
         self,
         at: DenseConfiguration,
         coupling: Array,
         near: CandidateSet,
         force: Array,
         weight: float,
-        motion: Array,
     ) -> Array:
-        """The correction of the owned unknowns by a motion and by forces on the rows of points."""
-        moved = weight * (force.ravel() @ coupling.reshape(force.size, -1)) / self.tangent
-        return self.owned(at, motion + moved)
+        """The motion by forces on the rows of near points."""
+        return weight * (force.ravel() @ coupling.reshape(force.size, -1)) / self.tangent
 
-    def owned(self, at: DenseConfiguration, motion: Array) -> Array:
-        """The part of a motion that this rank owns."""
-        return motion[self.body.own]
-
-
-class ElasticMotion(NamedTuple):
-    """A motion of a meshed body in the frame that turns with it: x + S p.
-
-    Attributes:
-        nodes: x, of the owned nodes, (n d,), m.
-        push: p, the forces that make it, added up over all nodes, (d,), N.
-    """
-
-    nodes: Array
-    push: Array
+    def owned(self, at: DenseConfiguration, motion: Array, further: Array) -> Array:
+        """The part of two motions together that this rank owns."""
+        return (motion + further)[self.body.own]
 
 
 class ElasticCoupling(NamedTuple):
@@ -355,8 +350,7 @@ class ElasticResponse:
         self._whole = np.ones(self._ports)  # of their forces, that points which are ports get
         unturned = np.eye(body.dimension)
         self._unturned: Array = np.array([unturned, unturned, np.zeros_like(unturned)])
-        still = np.zeros(body.owned * body.dimension)
-        self._at_rest = ElasticMotion(still, np.zeros(body.dimension))
+        self._at_rest: Array = np.zeros(body.size)
 
     @property
     def nbytes(self) -> float:
@@ -380,38 +374,39 @@ class ElasticResponse:
         """True if neither rotation has changed to speak of."""
         return meshed.largest_turn(now, before) <= TURNED
 
-    def at_rest(self) -> ElasticMotion:
+    def at_rest(self) -> Array:
         """A motion of zero."""
         return self._at_rest
 
-    def free(self, at: Array, residual: Array) -> ElasticMotion:
+    def free(self, at: Array, residual: Array) -> Array:
         """The free motion -K^-1 r."""
         turned, total = np.empty(residual.shape), np.empty(self.body.dimension)
         meshed.into_frame(residual, at, -1.0, turned, total)
         free = self.compliance.factor.solve(turned)
-        return ElasticMotion(free, global_sum(self.body.comm, total))
+        meshed.add_shift(global_sum(self.body.comm, total)[None], at[2], free)
+        return free
 
     def read(
         self,
         at: Array,
-        free: ElasticMotion,
+        motion: Array,
         moved: Array,
         kinematics: Kinematics,
     ) -> None:
-        """Add what a free motion does to the augmented positions of all points to `moved`."""
+        """Add what a motion does to the augmented positions of all points to `moved`."""
+        d = self.body.dimension
         for side, port, rows in zip(self.sides, self.compliance.ports, self._rows, strict=True):
             seen = kinematics[side.interface]
             if seen is None:
                 continue
-            nodes = port.layer.reached(free.nodes.reshape(-1, self.body.dimension)).reshape(-1)
-            each = seen.frame[None] if seen.frame.ndim == 2 else seen.frame
+            nodes = port.layer.reached(motion.reshape(-1, d)).reshape(-1)
+            points: Array = np.empty((side.points.count, d))
+            meshed.read_points(*rows, nodes, points)
             spots = side.spots(kinematics)
-            if spots is None:
-                meshed.add_readings(moved, side.first, side.sign, *rows, nodes, free.push, each, at)
-            else:
-                points = np.empty((side.points.count, self.body.dimension))
-                meshed.read_points(*rows, nodes, free.push, at[2], points)
-                meshed.add_places(moved, side.first, side.sign, spots.carried(points), each, at[0])
+            if spots is not None:
+                points = spots.carried(points)
+            each = seen.frame[None] if seen.frame.ndim == 2 else seen.frame
+            meshed.add_places(moved, side.first, side.sign, points, each, at[0])
 
     def couple(self, at: Array, near: CandidateSet, weight: float, W: Array) -> ElasticCoupling:
         """Add the compliance among near points; returns the ports that they act on."""
@@ -452,32 +447,25 @@ class ElasticResponse:
             meshed.add_loads(*where, spots.weights, side.sign, ports, load)
         return ElasticCoupling(ports, load)
 
-    def respond(
-        self,
-        at: Array,
-        coupling: ElasticCoupling,
-        near: CandidateSet,
-        force: Array,
-        weight: float,
-        motion: ElasticMotion,
+    def moved_by(
+        self, at: Array, coupling: ElasticCoupling, near: CandidateSet, force: Array, weight: float
     ) -> Array:
-        """The correction of the owned unknowns by a motion and what forces at near points add."""
+        """The motion by forces at near points, from the columns of the ports that they act on."""
         if not len(coupling.ports):
-            return self.owned(at, motion)
-        moved, load = np.empty(motion.nodes.size), coupling.load
+            return self._at_rest
         vectors = np.empty(force.shape)
         meshed.point_vectors(force, weight, near.frames, at[1], vectors)
-        if load is not None:
-            vectors = load.T @ vectors
-        strain = self.compliance.displacement(coupling.ports, vectors)
-        meshed.moved_with_strain(*motion, strain, vectors, at, moved)
+        if coupling.load is not None:
+            vectors = coupling.load.T @ vectors
+        moved = self.compliance.displacement(coupling.ports, vectors)
+        meshed.add_shift(vectors, at[2], moved)
         return moved
 
-    def owned(self, at: Array, motion: ElasticMotion) -> Array:
-        """A motion of the owned unknowns, from the frame of the body back into space."""
-        vectors = np.empty(motion.nodes.size)
-        meshed.out_of_frame(*motion, at, vectors)
-        return vectors
+    def owned(self, at: Array, motion: Array, further: Array) -> Array:
+        """Two motions of the owned unknowns, from the frame of the body back into space."""
+        moved = np.empty(motion.size)
+        meshed.out_of_frame(motion, further, at[0], moved)
+        return moved
 
 
 def saved_compliances(responses: Sequence[Any]) -> list[Any]:

@@ -172,8 +172,8 @@ class Stepper:
         state = consistent(self.system, self.links, state)
         if self.attached is None:
             return state
-        places, links = self.attached.values(state.u), self.attached.links
-        memory = links.start(places)
+        links = self.attached.links
+        memory = links.start(self.attached.observe(state.u).places)
         return state._replace(body_links=memory, spring=state.spring + links.energy(memory))
 
     def launch(self, state: State, v: Array) -> State:

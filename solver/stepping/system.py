@@ -20,7 +20,13 @@ from solver.contact.kinematics import Parts
 from solver.contact.pairs import Link
 from solver.scheme.generalized_alpha import TangentWeights
 from solver.stepping.compliance import Compliance, InterfaceDofs
-from solver.stepping.response import AnyResponse, BodyRole, DenseResponse, ElasticResponse
+from solver.stepping.response import (
+    AnyResponse,
+    BodyRole,
+    DenseResponse,
+    ElasticResponse,
+    PlacesOfBody,
+)
 from solver.types import Array
 
 
@@ -129,27 +135,42 @@ def sides_of(body: int, links: Sequence[Link]) -> list[BodyRole]:
     return sides
 
 
+def role_of(attached: PlacesOfBody, links: Sequence[Link], sides: Sequence[BodyRole]) -> BodyRole:
+    """The part of the places of a body, which stand behind the points of all interfaces.
+
+    By the parts that the body takes in these.
+    """
+    first = sum(link.interface.count for link in links) + attached.first
+    port = sum(side.points.count for side in sides)
+    return BodyRole(len(links), first, attached.points.count, False, attached.points, port)
+
+
 def response_of(
     system: System,
     body: int,
     links: Sequence[Link],
     factor: Any,
     weights: TangentWeights | None = None,
+    attached: PlacesOfBody | None = None,
 ) -> AnyResponse:
     """The response of a body, by its number.
 
     The factor is the factorized tangent or mass of a meshed body, the diagonal of a rigid one's.
     Weights are those of the tangent, whose points are read with their tractions; None for the mass.
+    Places at which links act are further points of the body.
     """
-    member, sides = system.bodies[body], sides_of(body, links)
-    tractions = weights is not None
+    member, own = system.bodies[body], sides_of(body, links)
+    sides = own if attached is None else [*own, role_of(attached, links, own)]
     if isinstance(member, DenseBody):
         return DenseResponse(member, factor, sides)
     assert isinstance(member, ElasticBody | ReducedBody)
     ports = [
-        system.ports(side.points, links[side.interface].interface, tractions=tractions)
-        for side in sides
+        system.ports(side.points, links[side.interface].interface, tractions=weights is not None)
+        for side in own
     ]
+    if attached is not None:
+        assert isinstance(attached.points, NodePoints)
+        ports.append(InterfaceDofs.of_nodes(attached.points.layer, member.dimension))
     inertia = np.inf if weights is None or member.clamped else weights.mass * member.mass
     return ElasticResponse(member, Compliance(member, factor, ports), sides, inertia)
 
@@ -157,8 +178,7 @@ def response_of(
 def ports_of(points: SurfacePoints, interface: Interface, *, tractions: bool) -> InterfaceDofs:
     """Rows between points of a meshed body, read with their tractions or not, and its nodes."""
     if isinstance(points, NodePoints):
-        rows = sp.identity(points.count * points.dimension, format="csr")
-        return InterfaceDofs(points.layer, rows, rows, points.count)
+        return InterfaceDofs.of_nodes(points.layer, points.dimension)
     assert isinstance(points, NitschePoints)
     position = points.points.position_rows()
     read = force = position

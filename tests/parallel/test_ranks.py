@@ -56,7 +56,52 @@ end = 1.0
 step = 1.0e-3
 """
 
-SCENES = {"granite": GRANITE_ROCKS, "bed": ON_A_BED, "dominoes": DOMINOES, "linked": LINKED}
+TIED = """
+[[block]]
+width = 0.5
+height = 1.0
+mass = 500.0
+young = 5e10
+poisson = 0.2
+cells = [2, 4]
+[foundation]
+kind = "frame"
+deck = { width = 3.0, height = 0.3 }
+column = { width = 0.1, young = 2e11 }
+young = 3e10
+poisson = 0.2
+density = 2500.0
+damping_ratio = 0.05
+cells = { bay = 8, column = 1, deck = 1, storey = 2 }
+modes = "auto"
+storey = [{ height = 1.0 }]
+[[link]]
+name = "bar"
+kind = "tether"
+between = ["block", "foundation"]
+at = [0.25, 1.0]
+to = [1.03, 0.0]
+stiffness = 1e5
+[[link]]
+name = "foot"
+kind = "anchor"
+between = ["block", "foundation"]
+at = [-0.2, 0.0]
+stiffness = 1e5
+damping = 1e2
+[contact]
+friction = 0.1
+[motion]
+kind = "one_sine"
+amplitude_g = 0.3
+duration = 0.5
+[time]
+end = 0.15
+step = 2.0e-3
+"""
+
+SCENES = {"granite": GRANITE_ROCKS, "bed": ON_A_BED, "dominoes": DOMINOES}
+SCENES |= {"linked": LINKED, "tied": TIED}
 
 
 @pytest.fixture(scope="module")
@@ -160,3 +205,14 @@ def test_linked_blocks_are_the_same_on_two_ranks_to_the_byte(folder: Path) -> No
         one, two = ((folder / name / file).read_bytes() for name in ("linked alone", "linked"))
         assert one == two
     assert b",break,block,foundation,wire," in one
+
+
+@pytest.mark.mpi
+def test_links_of_meshed_bodies_pull_on_two_ranks_as_on_one(folder: Path) -> None:
+    """Of an elastic block, which the ranks share, and a reduced frame, which one of them has."""
+    one, two = histories(folder, "tied")
+    weight = 500.0 * 9.81
+    for name in ("bar.force_N", "foot.shear_force_N"):
+        assert np.abs(one[name]).max() > 1e-2 * weight, name
+        assert two[name] == pytest.approx(one[name], abs=1e-8 * weight), name
+    assert two["block.slip_m"] == pytest.approx(one["block.slip_m"], abs=1e-8 * 0.5)

@@ -353,7 +353,8 @@ def test_the_law_is_that_of_rigid_bodies() -> None:
         compression = float(random.integers(2))
         laws = np.array([[k, 0.0, gap, compression, bound]])
         force, slope = np.empty((2, 1))
-        meshed.link_forces(laws, np.array([start]), np.array([end]), 1e-3, force, slope)
+        ends, acts = (np.array([start]), np.array([end])), np.array([1e-3])
+        meshed.link_forces(laws, *ends, acts, 1e-3, force, slope)
 
         way = np.linspace(start, end, 400_001)
         above = np.where(way > gap, way - gap, 0.0)
