@@ -549,11 +549,6 @@ class CrossingInterface(Interface):
         stays[there[which[~off]]] = False
         return memory.touching(stays), corners.touching(left)
 
-    def apart(self, surface: SurfaceState, kinematics: ContactKinematics) -> float:
-        """Depth of the one outline within the other, m; negative where it is not."""
-        assert kinematics.carrier is not None
-        return self.crossings.depth_inside(surface.position, kinematics.carrier.position)
-
     def inside(self, memory: Memory) -> Mask:
         """Pairs that cross at this instant, not only at some time in its step."""
         kinematics = memory.kinematics

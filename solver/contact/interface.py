@@ -74,7 +74,6 @@ class Interface:
         count: int | None = None,
         bed: Bed | None = None,
         corner_area: float = 0.0,
-        of_edge: bool = False,
         shared: frozenset[int] = frozenset(),
     ):
         """Set up.
@@ -88,14 +87,11 @@ class Interface:
                 them.
             bed: Springs and dashpots between points and carrier.
             corner_area: What points without an area count for in it, m2.
-            of_edge: True if the points are the edge of what carries a block, which presses on the
-                bottom of that.
             shared: Tags of faces whose tractions stand in the theta term of another interface: it
                 is there once, whatever faces look at.
         """
         self.points, self.carrier, self.law = points, carrier, law
         self._friction = FrictionLaw.of(law)
-        self._of_edge = of_edge
         self.count, self.dimension = count or points.count, points.dimension
         self.size = points.size
         self.weight: Array = np.zeros(self.count)
@@ -222,14 +218,6 @@ class Interface:
         if self.law.constant:
             return self._constant_bounds
         return self._friction.bounds_followed(past, self.area, mu, speed, slips)
-
-    def apart(self, surface: SurfaceState, kinematics: ContactKinematics) -> float:
-        """Least distance of an edge from the face that may touch it, m; 0 for other points."""
-        if not self._of_edge or kinematics.carrier is None:
-            return 0.0
-        nodes, x = kinematics.carrier.position, surface.position
-        off = np.maximum(np.maximum(nodes.min(axis=0) - x, x - nodes.max(axis=0)), 0.0)
-        return float(np.linalg.norm(off, axis=1).min())
 
     def inside(self, memory: Memory) -> Mask:
         """Points that may touch and are not beyond an edge of their carrier."""

@@ -41,8 +41,6 @@ class BlockSurface:
         below: Numbers of the corners of the bottom farthest out, (2 or 4,), in the hull's points.
     """
 
-    has_outline = True
-
     def __init__(
         self,
         body: ElasticBody | RigidBox,
@@ -70,7 +68,8 @@ class BlockSurface:
             points = nodes_at(body, faces.corners)
         else:
             points = RigidPoints(body, faces.corners)
-        self.hull = Hull(points, [faces.loops[tag] for tag in self.tags])
+        loops = [faces.loops[tag] for tag in self.tags]
+        self.hull = Hull(points, loops, is_whole=faces.is_whole)
         upright = self.hull.placed(np.zeros(body.size)).normals
         upright = np.round(upright, 0 if is_box else 12) + 0.0
         upright /= np.linalg.norm(upright, axis=1)[:, None]

@@ -132,7 +132,6 @@ class BlockObserver:
         """Fill in the columns of the block, all of `row`; memories of the state are of `links`."""
         self._take(links)
         memory = state.contacts[self._number]
-        others = [number for number in self._others if not state.contacts[number].clear]
         if links[self._number].interface is not self._interface:
             self._set_interface()
             self._order_reference()
@@ -150,12 +149,12 @@ class BlockObserver:
         corners = self._corner_positions(state)
         height = corners[:, -1] if lost else carrier.kinematics(corners, place, frame).place[:, 0]
         row[self._gaps] = height
-        numbers = self._number, *others
+        numbers = self._number, *self._others
         row[self._at.penetration_m] = max(self._penetration(state, n) for n in numbers)
         row[self._forces], self._frame = np.add.reduce(memory.force), frame
-        if others or lost or carrier is not self._interface.carrier:
+        if self._others or lost or carrier is not self._interface.carrier:
             frame = level_frame(len(self._forces)) if lost else frame
-            row[self._forces], self._frame = self._force(state, others, frame), frame
+            row[self._forces], self._frame = self._force(state, frame), frame
 
     def write_feet(self, state: State, rows: Array) -> None:
         """Fill in the forces on the feet, (feet, d), in the frame of those on the block."""
@@ -167,8 +166,6 @@ class BlockObserver:
         centre = self._member.body.centre
         for number in (self._number, *self._others):
             link, memory = self._links[number], state.contacts[number]
-            if memory.clear:
-                continue
             place = memory.surface.position
             if memory.kinematics.own_projection is not None:
                 place = memory.kinematics.own_projection.carried(place)
@@ -235,7 +232,7 @@ class BlockObserver:
         inside = self._links[number].interface.inside(memory)
         return meshed.penetration(memory.kinematics.place, inside)
 
-    def _force(self, state: State, others: Sequence[int], frame: Array) -> Array:
+    def _force(self, state: State, frame: Array) -> Array:
         """Normal and tangential force on the block in a frame, N.
 
         By its own interface and those others that bear it. Where it has lost its carrier the
@@ -245,7 +242,7 @@ class BlockObserver:
         force, given = np.add.reduce(memory.force), memory.kinematics.frame
         if given is not frame:
             force = frame @ (force @ given)
-        for number in others:
+        for number in self._others:
             link = self._links[number]
             sign = 1.0 if link.body == self._member.number else -1.0
             if not (link.stands or self._bears(link, state.contacts[number], sign)):

@@ -19,19 +19,13 @@ import numpy as np
 
 from solver.bodies.memory import kept_limit
 from solver.bodies.rigid_body import DenseBody
-from solver.contact.kinematics import ContactIncrement, ContactKinematics, ForceWeights
+from solver.contact.kinematics import ContactIncrement, ForceWeights, Observed
 from solver.contact.memory import Memory
 from solver.contact.pairs import Link
 from solver.law.local_problem import LocalProblem, NoContactSolution
 from solver.parallel import any_rank, global_sums
 from solver.scheme.generalized_alpha import TangentWeights
-from solver.stepping.active_set import (
-    ActiveSet,
-    CarrierEdges,
-    ContactMargin,
-    EdgeWatch,
-    points_beyond,
-)
+from solver.stepping.active_set import CarrierEdges, ContactMargin, EdgeWatch, points_beyond
 from solver.stepping.attached import Attached, AttachedForces
 from solver.stepping.balance import Balance, Contact, StepSolution
 from solver.stepping.delassus import (
@@ -69,18 +63,16 @@ class StepFailed(Exception):
     """The nonlinear solve of a step did not converge, or its solution is none of the method's."""
 
 
-class ActivePair(NamedTuple):
-    """An interface that enters residuals: what stays the same from one to the next.
+class InterfaceInStep(NamedTuple):
+    """What of an interface stays the same from one residual of a step to the next.
 
     Attributes:
-        number: Its number.
         link: The interface, and its bodies.
         start: Its memory that the step starts from.
         force: Its part of the point forces, which corrections write to, (points, d), N.
         weights: How they count in a residual.
     """
 
-    number: int
     link: Link
     start: Memory
     force: Array
@@ -108,9 +100,7 @@ class StepProblem:
         self._edges = CarrierEdges(model.points, balance.contact)
         self._watch = EdgeWatch()
         self._beyond: Mask | None = None
-        self.active_set = ActiveSet(model.system, model.points, balance, self._edges)
-        self._remembered = [memory.seen for memory in balance.contact]
-        self._active = self._pairs()
+        self._interfaces = self._in_step()
         # Of each body its response, where its unknowns are, and its rotation at t_n.
         starts = model.system.slices, balance.rotations
         self._bodies = tuple(zip(tangents.responses, *starts, strict=True))
@@ -118,7 +108,8 @@ class StepProblem:
         if operator is not None and model.points.turning.take(operator.near.number).any():
             tangents.operator = None
         # At the iterate: its displacement, the state of each interface, and kinematics.
-        self._u, self._seen = guess, self._remembered
+        self._u = guess
+        self._seen: list[Observed] = []
         self._kinematics: Kinematics = []
         self._configurations: Sequence[Any] = ()
         self._corrections = 0
@@ -140,14 +131,13 @@ class StepProblem:
     def residual(self, u: Array) -> Array:
         """Out-of-balance force at u with the current point forces, N."""
         residual, self.inertia = self._balance.smooth_residual(self._system, u)
-        seen, parts = self._remembered.copy(), self._system.parts
-        kinematics: list[ContactKinematics | None] = [None] * len(seen)
-        for number, link, start, force, weights in self._active:
-            seen[number] = found = link.interface.observe(*parts(u, link), start)
+        seen, parts = [], self._system.parts
+        for link, start, force, weights in self._interfaces:
+            found = link.interface.observe(*parts(u, link), start)
             # In equilibrium what is seen counts at both ends.
             increment = ContactIncrement(found if self._static else start.seen, found, force)
             link.interface.add_forces(increment, parts(residual, link), weights)
-            kinematics[number] = found[1]
+            seen.append(found)
         if self._attached is not None:
             self.on_places = on_places = self._attached.at(u)
             self._attached.add_forces(residual, u, -self._weight * on_places.force)
@@ -155,19 +145,18 @@ class StepProblem:
         if len(fixed):
             self.held = residual.take(fixed)
             residual.put(fixed, 0.0)
-        self._u, self._seen, self._kinematics = u, seen, kinematics
+        self._u, self._seen = u, seen
+        self._kinematics = [kinematics for _, kinematics in seen]
         self._residual = residual
         return residual
 
-    def _pairs(self) -> list[ActivePair]:
-        """The interfaces that enter residuals."""
+    def _in_step(self) -> list[InterfaceInStep]:
+        """The interfaces, and what stays the same of them."""
         balance, points, found = self._balance, self._points, []
-        for number, inactive in enumerate(self.active_set.inactive):
-            if not inactive:
-                link, force = points.links[number], self.contact.force[points.own[number]]
-                tangent = balance.weights[link.body or 0]
-                weights = ForceWeights.of(tangent.contact, tangent.interface, sign=-1.0)
-                found.append(ActivePair(number, link, balance.contact[number], force, weights))
+        for link, start, own in zip(points.links, balance.contact, points.own, strict=True):
+            tangent = balance.weights[link.body or 0]
+            weights = ForceWeights.of(tangent.contact, tangent.interface, sign=-1.0)
+            found.append(InterfaceInStep(link, start, self.contact.force[own], weights))
         return found
 
     def acceleration(self) -> float:
@@ -252,15 +241,13 @@ class StepProblem:
         return y
 
     def _points_beyond(self) -> Mask | None:
-        """Points beyond an edge at the iterate, with all of interfaces that sleep; None: none."""
-        points, beyond = self._points, self.active_set.points
+        """Points beyond an edge at the iterate; None: none."""
+        points, beyond = self._points, None
         for number in self._edges.numbers:
-            kinematics, off = self._kinematics[number], None
-            if kinematics is not None:
-                off = self._edges.beyond(number, kinematics)
+            off = self._edges.beyond(number, self._kinematics[number])
             if off is not None and np.count_nonzero(off):
-                none = np.zeros(points.count, dtype=np.bool_)
-                beyond = none if beyond is None else beyond.copy()
+                if beyond is None:
+                    beyond = np.zeros(points.count, dtype=np.bool_)
                 beyond[points.own[number]] = off
         return self._watch.settled(beyond)
 
@@ -280,11 +267,7 @@ class StepProblem:
         if operator is None:
             operator = of_no_points(self._system.dimension)
         elif not operator.fits(self._tangents.responses, self._configurations):
-            near, inactive = operator.near.number, self.active_set.points
-            if inactive is not None and inactive[near].any():
-                operator = of_no_points(self._system.dimension)
-            else:
-                operator = self._tangents.operator = self._delassus(near)
+            operator = self._tangents.operator = self._delassus(operator.near.number)
         through = condensed or _as_it_is
         while isinstance(change := self.contact.settle(y, through(operator)), OthersNear):
             self._model.margin.mark_seen(change.number)
@@ -304,11 +287,8 @@ class StepProblem:
             softening=self.contact.softening,
         )
 
-    def continues(self, u: Array) -> bool:
-        """True if u is no solution: an interface becomes active, points sink in or break loose."""
-        if self.active_set.activate(u):
-            self._active = self._pairs()
-            return True
+    def continues(self) -> bool:
+        """True if u is no solution: points sink in or break loose."""
         y = self._positions()
         self._deactivate(y)
         return self.contact.sinks_in(y) or self.contact.breaks_loose(y, self._own_compliance())
@@ -332,13 +312,10 @@ class StepProblem:
 
     def contacts(self) -> list[Contact]:
         """Every interface at the end of the step, after `continues`."""
-        found, active_set, compliance = [], self.active_set, self._own_compliance()
-        for number, own in enumerate(self._points.own):
-            inactive = active_set.inactive[number]
-            surface, kinematics = active_set.seen(number) if inactive else self._seen[number]
+        found, compliance = [], self._own_compliance()
+        for (surface, kinematics), own in zip(self._seen, self._points.own, strict=True):
             force, bounds = self.contact.force[own], self.contact.friction.bounds.of(own)
-            clear = active_set.clear(number)
-            found.append(Contact(surface, kinematics, force, bounds, compliance[own], clear))
+            found.append(Contact(surface, kinematics, force, bounds, compliance[own]))
         return found
 
 
@@ -421,13 +398,11 @@ class ContactSolve:
         if not outcome.converged and self._restiffens(balance):
             return self.solve(balance, guess)
         iterations = outcome.iterations
-        while outcome.converged and problem.continues(u):
+        while outcome.converged and problem.continues():
             u, outcome = self._solver.solve(problem, u, tolerance)
             iterations += outcome.iterations
         if not outcome.converged:
             raise StepFailed(f"SNES: {outcome.reason}, residual {outcome.residual:.2e} N")
-        if problem.active_set.overran:
-            raise StepFailed("bodies move too far in one step")
         return StepSolution(
             u=u,
             contacts=problem.contacts(),

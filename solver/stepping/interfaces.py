@@ -76,10 +76,7 @@ class PairWatch:
         self._system = system
         d, still = system.dimension, len(system.bodies)
         self._ends = np.array(
-            [
-                (pair.body, pair.on if pair.turns and pair.on is not None else still)
-                for pair in pairs
-            ]
+            [(pair.body, still if pair.on is None else pair.on) for pair in pairs]
         )
         # Of each body its displacement, rotation, velocity and spin; the last one stands still.
         sizes = d, d * d, d, 1 if d == 2 else 3
@@ -159,14 +156,11 @@ class Interfaces:
 
         What strikes them in a step may send them farther than their velocities told.
         """
-        idle = [number for number, own in enumerate(state.active) if own is None]
-        if not idle:
-            return False
-        bodies, may_change = (
-            BodiesInStep(self._system, state, 0.0),
-            self._watch.may_change(state, 0.0),
+        bodies = BodiesInStep(self._system, state, 0.0)
+        return any(
+            self._pairs[number].is_missed(bodies, state.active[number])
+            for number in self._watch.may_change(state, 0.0).nonzero()[0]
         )
-        return any(may_change[number] and self._pairs[number].overlaps(bodies) for number in idle)
 
     def fresh(self, active: Active, state: State) -> list[Memory]:
         """Memories without contact forces in a state."""
@@ -196,28 +190,19 @@ class Interfaces:
             exchanged = before - self.energy(active, contacts)
         links, part = self.links(active), self._system.part
         ahead = state.u
-        if any(
-            link.interface.carrier.turns and not memory.clear
-            for link, memory in zip(links, contacts, strict=True)
-        ):
+        if any(link.interface.carrier.turns for link in links):
             ahead = state.u + 0.5 * dt * state.v
         bodies = BodiesInStep(self._system, state, dt)
-        found = []
+        found: list[Memory] = []
         for number, (link, memory) in enumerate(zip(links, contacts, strict=True)):
-            if memory.clear:
-                found.append(memory)
-                continue
             if isinstance(link.interface, CrossingInterface):
                 u, carrier_u = part(ahead, link.body), part(ahead, link.carrier)
                 prepared = link.interface.prepare(memory, u, carrier_u)
                 exchanged += link.interface.energy(memory) - link.interface.energy(prepared)
-                if not found[-1].clear:  # the outline is the interface before
-                    outline = links[number - 1].interface
-                    before = outline.energy(found[-1])
-                    prepared, found[-1] = link.interface.without_corners(
-                        prepared, outline, found[-1]
-                    )
-                    exchanged += before - outline.energy(found[-1])
+                outline = links[number - 1].interface
+                before = outline.energy(found[-1])
+                prepared, found[-1] = link.interface.without_corners(prepared, outline, found[-1])
+                exchanged += before - outline.energy(found[-1])
                 found.append(prepared)
                 continue
             carrier = None

@@ -37,8 +37,8 @@ Configuration = TypeVar("Configuration")
 Coupling = TypeVar("Coupling")
 Motion = TypeVar("Motion")
 
-Kinematics = Sequence[ContactKinematics | None]
-"""Kinematics of all interfaces; None for one that a step leaves out."""
+Kinematics = Sequence[ContactKinematics]
+"""Kinematics of all interfaces."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,8 +74,6 @@ class BodyRole:
     def spots(self, kinematics: Kinematics) -> Interpolation | None:
         """Interpolation from the body's own points to the contact points; None: the same points."""
         own = kinematics[self.interface]
-        if own is None:
-            return None
         return own.projection if self.carries else own.own_projection
 
 
@@ -244,10 +242,8 @@ class DenseResponse:
     ) -> None:
         """Add what a free motion does to the positions of all points to `moved`."""
         for number, side in enumerate(self.sides):
-            seen = kinematics[side.interface]
-            if seen is not None:
-                rows = self._at(at, number, kinematics)
-                moved[side.own] += in_frames(rows @ free, seen.frame)
+            rows = self._at(at, number, kinematics)
+            moved[side.own] += in_frames(rows @ free, kinematics[side.interface].frame)
 
     def couple(self, at: DenseConfiguration, near: CandidateSet, weight: float, W: Array) -> Array:
         """Add the compliance among near points; returns their rows, (m, d, unknowns)."""
@@ -401,8 +397,6 @@ class ElasticResponse:
         """Add what a free motion does to the augmented positions of all points to `moved`."""
         for side, port, rows in zip(self.sides, self.compliance.ports, self._rows, strict=True):
             seen = kinematics[side.interface]
-            if seen is None:
-                continue
             nodes = port.layer.reached(free.nodes.reshape(-1, self.body.dimension)).reshape(-1)
             each = seen.frame[None] if seen.frame.ndim == 2 else seen.frame
             spots = side.spots(kinematics)
