@@ -182,7 +182,7 @@ class FacePair:
         self._stands, self._size = stands, min(first.hull.size, second.hull.size)
         self._lower: dict[int, Carrier | None] = {}  # faces of the second body
         self._own: dict[tuple[int, frozenset[int], frozenset[int]], Interface] = {}
-        self._outlines: dict[tuple[int, int], tuple[list[Interface], list[Interface]]] = {}
+        self._outlines: dict[tuple[int, int], list[Link]] = {}
 
     # ------------------------------------------------------------- which faces
 
@@ -303,9 +303,7 @@ class FacePair:
             facing = active.first, active.second
             if facing not in self._outlines:
                 self._outlines[facing] = self._beside(active.first, active.second)
-            edges, crossings = self._outlines[facing]
-            links += [Link(each, self.on, self.body, stands=self._stands) for each in edges]
-            links += [Link(each, self.body, self.on, stands=self._stands) for each in crossings]
+            links += self._outlines[facing]
         return tuple(links)
 
     def _carrier(self, tag: int) -> Carrier | None:
@@ -320,50 +318,31 @@ class FacePair:
             self._lower[tag] = found
         return self._lower[tag]
 
-    def _beside(self, first: int, second: int) -> tuple[list[Interface], list[Interface]]:
-        """What the outline of a face of the second body does on a face of the first, by their tags.
+    def _beside(self, first: int, second: int) -> list[Link]:
+        """The interface of the outline of a face of the second body with a face of the first.
 
-        Interfaces of its points, and, in space, of edges that cross. Of a face that spans a hollow
-        the corners are the points.
+        By their tags; in space, also that of edges that cross. Of a face that spans a hollow the
+        corners are the points.
         """
-        upper = self._first.face(first, BESIDE_BELOW)
+        upper, lower = self._first.face(first, BESIDE_BELOW), self._carrier(second)
         if upper is None:
-            return [], []
-        lower, thickness = self._carrier(second), self._first.thickness
+            return []
+        law, bed, d = self._law, self._bed, self._first.dimension
+        area = (upper.facet / 2) ** (d - 1) * (self._first.thickness if d == 2 else 1.0)
         if isinstance(lower, Face) and self._second.is_real(second):
-            edge, *crossings = edge_interfaces(upper, lower, thickness, self._law, self._bed)
-            return [edge], crossings
-        assert isinstance(self._second, BlockSurface)
-        points, area = self._second.corners_of(second), corner_area(upper, thickness)
-        given = Interface(points, upper, self._law, bed=self._bed, corner_area=area)
-        return [given], []
-
-
-def corner_area(upper: Face, thickness: float) -> float:
-    """Area that a point on the outline of a face stands for on the face above it, m2.
-
-    In the plane the thickness is that of the upper body, m.
-    """
-    d = len(upper.reference_frame)
-    return (upper.facet / 2) ** (d - 1) * (thickness if d == 2 else 1.0)
-
-
-def edge_interfaces(
-    upper: Face, lower: Face, thickness: float, law: FrictionSpec, bed: Bed | None = None
-) -> list[Interface]:
-    """The interface of a face's outline with the face on it; in space, that of both outlines, too.
-
-    The thickness is that of `corner_area`.
-    """
-    d, area = len(lower.reference_frame), corner_area(upper, thickness)
-    outline = outline_points(lower.points, lower.reference_frame, lower.rings)
-    found = [Interface(outline, upper, law, bed=bed, corner_area=area)]
-    if d == 3:
-        up = lower.reference_frame[0]
-        over, under = outline_of(upper, -upper.reference_frame[0]), outline_of(lower, up)
-        crossings = Crossings(over, under, lower, upper)
-        found.append(CrossingInterface(crossings, law, bed=bed, corner_area=area))
-    return found
+            points = outline_points(lower.points, lower.reference_frame, lower.rings)
+        else:
+            assert isinstance(self._second, BlockSurface)
+            points, lower = self._second.corners_of(second), None
+        outline = Interface(points, upper, law, bed=bed, corner_area=area)
+        found = [Link(outline, self.on, self.body, stands=self._stands)]
+        if d == 3 and lower is not None:
+            up = lower.reference_frame[0]
+            over, under = outline_of(upper, -upper.reference_frame[0]), outline_of(lower, up)
+            crossings = Crossings(over, under, lower, upper)
+            edges = CrossingInterface(crossings, law, bed=bed, corner_area=area)
+            found.append(Link(edges, self.body, self.on, stands=self._stands))
+        return found
 
 
 class FloorSurface:

@@ -83,6 +83,9 @@ class PairWatch:
         self._placed = d + d * d
         self._now: Array = np.zeros((still + 1, sum(sizes)))
         self._looked = np.zeros((len(pairs), 2, sum(sizes)))
+        self._change: Array = np.zeros(
+            (4, len(pairs))
+        )  # of both bodies of each: way, turn, speed, spin
         self._reach, self._slack = np.zeros((2, len(pairs)))
         self._sums = np.tile(np.repeat(np.eye(4), sizes, axis=0), (2, 1))
         self._state: State | None = None
@@ -94,9 +97,10 @@ class PairWatch:
                 moved, velocity, spin, rotation = state.rigid_motion(self._system, body)
                 own = np.concatenate([moved, rotation.ravel(), velocity, spin])
                 self._now[body, : len(own)] = own  # what cannot turn has no spin
+            change = np.abs(self._now.take(self._ends, axis=0) - self._looked)
+            self._change = (change.reshape(len(change), -1) @ self._sums).T
             self._state = state
-        change = np.abs(self._now.take(self._ends, axis=0) - self._looked)
-        moved, turned, speed, spin = (change.reshape(len(change), -1) @ self._sums).T
+        moved, turned, speed, spin = self._change
         turn = turned + step * spin
         way = moved + step * speed + self._reach * turn
         return np.asarray((way >= self._slack) | (turn >= TURN))
@@ -104,6 +108,7 @@ class PairWatch:
     def looked(self, number: int, found: PairSearch) -> None:
         """Watch a pair, by its number, from where it has been looked at."""
         self._looked[number, :, : self._placed] = self._now[self._ends[number], : self._placed]
+        self._change[:2, number] = 0.0
         self._reach[number], self._slack[number] = found.reach, found.slack
 
 
