@@ -19,7 +19,6 @@ from solver.contact.body_points import FacePoints, FixedPoints, RigidPoints, Sur
 from solver.contact.kinematics import (
     ClosestPoints,
     ContactKinematics,
-    Projection,
     in_frames,
     in_space,
     spread,
@@ -239,18 +238,14 @@ class Face(FacetCarrier):
         """Gaps and tangential positions of points in space, in a frame of the carrier."""
         assert carrier is not None
         (count, d), k = position.shape, self.facets.shape[1]
-        closest = ClosestPoints(
-            nodes=np.empty((count, k), dtype=np.int64),
-            weights=np.empty((count, k)),
-            slope=np.empty((count, d - 1)),
-            stretch=np.empty((count, d - 1, d - 1)),
-            beyond_edge=np.empty(count, dtype=np.bool_),
-        )
+        nodes, weights = np.empty((count, k), dtype=np.int64), np.empty((count, k))
+        slope, stretch = np.empty((count, d - 1)), np.empty((count, d - 1, d - 1))
+        closest = nodes, weights, slope, stretch, np.empty(count, dtype=np.bool_)
         place = np.empty((count, d))
         meshed.project_onto_facets(
             *self._shapes, position, carrier.position, frame, place, *closest
         )
-        return ContactKinematics(place, place, frame, carrier, Projection(closest))
+        return ContactKinematics(place, place, frame, carrier, ClosestPoints(*closest))
 
     def vectors(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> Array:
         """Point forces as vectors in space such that their work on increments is exact."""
@@ -271,14 +266,16 @@ class Face(FacetCarrier):
 
     def beyond_edge(self, kinematics: ContactKinematics) -> Mask | None:
         """Points beyond the edge of the face."""
-        assert isinstance(kinematics.projection, Projection)
+        assert isinstance(kinematics.projection, ClosestPoints)
         return kinematics.projection.beyond_edge
 
 
 def foot_point_arrays(kinematics: ContactKinematics) -> FootPointArrays:
     """Foot points on a face at one instant."""
-    assert isinstance(kinematics.projection, Projection) and kinematics.carrier is not None
-    return *kinematics.projection.closest[:4], kinematics.place, kinematics.carrier.position
+    closest, carrier = kinematics.projection, kinematics.carrier
+    assert isinstance(closest, ClosestPoints) and carrier is not None
+    surface = closest.nodes, closest.weights, closest.slope, closest.stretch
+    return *surface, kinematics.place, carrier.position
 
 
 def facet_shapes(

@@ -45,7 +45,6 @@ TYPES = {
         "ClosestPoints",
         "ContactKinematics",
         "EdgeInterpolation",
-        "Projection",
     ),
     "solver.history.events": ("Event", "Meeting"),
     "solver.scheme.generalized_alpha": ("TangentWeights",),
