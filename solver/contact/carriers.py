@@ -9,13 +9,23 @@ what makes the work of contact forces a difference of states.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple, Protocol
 
 import basix
 import numpy as np
 
 from geometry.foundation import level_frame
-from solver.contact.body_points import FacePoints, FixedPoints, RigidPoints, SurfaceState
+from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.reduced_body import ReducedBody
+from solver.contact.body_points import (
+    FacePoints,
+    FixedPoints,
+    NodePoints,
+    RigidPoints,
+    SurfaceState,
+)
+from solver.contact.facets import Facets, outlines
 from solver.contact.kinematics import (
     ClosestPoints,
     ContactKinematics,
@@ -191,8 +201,8 @@ class Face(FacetCarrier):
         reference_frame: Rows normal and tangents of the undeformed face, (d, d).
         degree: Polynomial degree on a facet.
         margin: Part of a facet by which points may be beyond its edge.
-        rings: Corners around the pieces of a face, (n, d), m, anticlockwise from outside, in the
-            undeformed body; None where it is one side in the plane, or a rectangle in space.
+        rings: Corners around the pieces of the face, (n, d), m, anticlockwise from outside, in the
+            undeformed body, in the plane their ends; none of a face that touches nothing with them.
         length: Of the longest side of the face, m.
         facet: Length of its smallest facet, m.
     """
@@ -205,7 +215,7 @@ class Face(FacetCarrier):
         cell: str,
         degree: int = 1,
         margin: float = 1e-9,
-        rings: tuple[Array, ...] | None = None,
+        rings: Sequence[Array] = (),
     ):
         """Take the nodes of the face and of each facet, (facets, k), in the plane in their order.
 
@@ -213,7 +223,7 @@ class Face(FacetCarrier):
         "triangle" or "quadrilateral". Points may be beyond an edge by the margin, a part of a
         facet; negative: must be inside.
         """
-        self.margin, self.rings = margin, rings
+        self.margin, self.rings = margin, tuple(rings)
         if cell == "interval" and degree == 2:
             facets = facets[:, [0, 2, 1]]  # as basix counts them: ends first
         frame = np.ascontiguousarray(frame)
@@ -227,6 +237,14 @@ class Face(FacetCarrier):
         chains = along[facets[:, :corners]]
         self.length = float(np.max(np.ptp(chains.reshape(-1, chains.shape[-1]), axis=0)))
         self.facet = float(np.min(np.max(np.ptp(chains, axis=1), axis=1)))
+
+    @classmethod
+    def of_mesh(
+        cls, body: ElasticBody | ReducedBody, surface: Facets, frame: Array, margin: float = 1e-9
+    ) -> Face:
+        """A face of a meshed body by its facets; frame and margin as above."""
+        nodes, rings = NodePoints(body, surface.layer, surface.positions), outlines(surface)
+        return cls(nodes, surface.nodes, frame, surface.cell, surface.degree, margin, rings)
 
     def frame(self, rotation: Array) -> Array:
         """Rows normal and tangents where its body has turned, (d, d)."""

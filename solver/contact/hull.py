@@ -34,7 +34,7 @@ class Hull:
     A body that deforms takes its corners along: the faces are planes through what is there.
     """
 
-    def __init__(self, points: FacePoints, faces: Sequence[Sequence[int]], *, is_whole: bool):
+    def __init__(self, points: FacePoints, faces: Sequence[Sequence[int]], is_whole: bool = True):
         """Take the points, and the corners of each face, anticlockwise from outside.
 
         `is_whole`: the body has all of each face, which else may have edges anywhere.

@@ -330,7 +330,7 @@ class FacePair:
         law, bed, d = self._law, self._bed, self._first.dimension
         area = (upper.facet / 2) ** (d - 1) * (self._first.thickness if d == 2 else 1.0)
         if isinstance(lower, Face) and self._second.is_real(second):
-            points = outline_points(lower.points, lower.reference_frame, lower.rings)
+            points = outline_points(lower)
         else:
             assert isinstance(self._second, BlockSurface)
             points, lower = self._second.corners_of(second), None

@@ -25,7 +25,7 @@ from solver.contact.pairs import Link
 from solver.law.local_problem import LocalProblem, NoContactSolution
 from solver.parallel import any_rank, global_sums
 from solver.scheme.generalized_alpha import TangentWeights
-from solver.stepping.active_set import CarrierEdges, ContactMargin, EdgeWatch, points_beyond
+from solver.stepping.active_set import ContactMargin, EdgeWatch, points_beyond
 from solver.stepping.attached import Attached, AttachedForces
 from solver.stepping.balance import Balance, Contact, StepSolution
 from solver.stepping.delassus import (
@@ -97,8 +97,7 @@ class StepProblem:
         self._points, self._system = model.points, model.system
         self._static, self._weight = balance.static, balance.contact_weight
         self.contact = StepContact(model, balance)
-        self._edges = CarrierEdges(model.points, balance.contact)
-        self._watch = EdgeWatch()
+        self._edges = EdgeWatch(model.points, balance.contact)
         self._beyond: Mask | None = None
         self._interfaces = self._in_step()
         # Of each body its response, where its unknowns are, and its rotation at t_n.
@@ -184,7 +183,7 @@ class StepProblem:
         if self._corrections <= PLACED_CORRECTIONS:
             u = self._u
             self._configurations = [response.at(u[own], was) for response, own, was in self._bodies]
-        y, self._beyond = self._positions(), self._points_beyond()
+        y, self._beyond = self._positions(), self._edges.beyond(self._kinematics)
         free = self._free(residual, y)
         if self._attached is None or not self._attached.attached.links.count:
             delassus, change = self._settled(y)
@@ -239,17 +238,6 @@ class StepProblem:
         if self.contact.rest is not None:
             y[:, 0] -= self.contact.rest
         return y
-
-    def _points_beyond(self) -> Mask | None:
-        """Points beyond an edge at the iterate; None: none."""
-        points, beyond = self._points, None
-        for number in self._edges.numbers:
-            off = self._edges.beyond(number, self._kinematics[number])
-            if off is not None and np.count_nonzero(off):
-                if beyond is None:
-                    beyond = np.zeros(points.count, dtype=np.bool_)
-                beyond[points.own[number]] = off
-        return self._watch.settled(beyond)
 
     def _settled(
         self, y: Array, condensed: Callable[[Delassus], Delassus] | None = None
@@ -433,7 +421,7 @@ class ContactSolve:
         memories, points = balance.contact, self._model.points
         may_touch = copied([memory.may_touch for memory in memories])
         for own, memory, carrier in zip(points.own, memories, points.carriers, strict=True):
-            beyond = points_beyond(carrier, memory)
+            beyond = points_beyond(carrier, memory.kinematics)
             if beyond is not None:
                 may_touch[own] &= ~beyond
         gaps = joined([memory.kinematics.place[:, 0] for memory in memories])
