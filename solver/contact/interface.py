@@ -253,6 +253,8 @@ class Interface:
     def add_forces(self, increment: ContactIncrement, on: Parts, weights: ForceWeights) -> None:
         """Add the forces on both bodies to those on their unknowns, in place."""
         (old_surface, old), (surface, new), force = increment
+        if not (self.theta or force.any()):
+            return
         weighted, (on_body, on_carrier) = weights.points * force, on
         vectors, reaction = self.point_forces(old, new, weighted)
         if on_body is not None and isinstance(self.points, NitschePoints):
