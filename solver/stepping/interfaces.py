@@ -121,26 +121,19 @@ class Interfaces:
         self._watch = PairWatch(system, self._pairs)
         self._found: list[PairSearch | None] = [None] * len(self._pairs)  # when looked at last
         self._last: Active | None = None
-        self._links: tuple[tuple[Link, ...], ...] = ()  # of what was active last, pair by pair
-        self._flat: tuple[Link, ...] = ()
+        self._links: tuple[Link, ...] = ()  # of what was active last
 
     def links(self, active: Active) -> tuple[Link, ...]:
         """The active interfaces, pair after pair; collective."""
-        self._by_pair(active)
-        return self._flat
-
-    def _by_pair(self, active: Active) -> tuple[tuple[Link, ...], ...]:
-        """The active interfaces of each pair; collective."""
         if self._last is active or (self._last is not None and self._last == active):
             return self._links
-        found = []
+        found: list[Link] = []
         owned: dict[int, frozenset[int]] = {}
         for pair, own in zip(self._pairs, active, strict=True):
             faces, taken = pair.faces(own), owned.get(pair.body, frozenset())
-            found.append(pair.links(own, faces & taken))
+            found += pair.links(own, faces & taken)
             owned[pair.body] = taken | faces
         self._last, self._links = active, tuple(found)
-        self._flat = tuple(link for links in found for link in links)
         return self._links
 
     def active(self, state: State, step: float, before: Active | None) -> Active:
@@ -221,27 +214,20 @@ class Interfaces:
 
     def _joined(self, state: State, active: Active) -> list[Memory]:
         """Memories of the interfaces when more or others are active than in a state."""
-        known, memories = {}, iter(state.contacts)
-        for number, links in enumerate(self._by_pair(state.active)):
-            for role, link in enumerate(links):
-                known[number, role] = link, next(memories)
+        known = dict(zip(self.links(state.active), state.contacts, strict=True))
         found = []
-        for number, links in enumerate(self._by_pair(active)):
-            for role, link in enumerate(links):
-                if (number, role) not in known:
-                    found.append(self._fresh(link, state))
-                    continue
-                old, memory = known[number, role]
-                if old.interface is not link.interface:
-                    fresh = self._fresh(link, state)
+        for link in self.links(active):
+            memory = known.get(link)
+            if memory is None:
+                memory = self._fresh(link, state)
+                for old, before in known.items():
                     if follows(old, link):
-                        fresh = carry_over(memory, old.interface, link.interface, fresh)
-                    memory = fresh
-                found.append(memory)
+                        memory = carry_over(before, old.interface, link.interface, memory)
+            found.append(memory)
         return found
 
 
 def follows(old: Link, new: Link) -> bool:
     """True if points of one interface are points of another one, over the same face."""
-    same = old.interface.carrier is new.interface.carrier
-    return same and old.interface.corners is not None
+    same = old.body == new.body and old.interface.carrier is new.interface.carrier
+    return same and old.interface.corners is not None and new.interface.corners is not None
