@@ -161,10 +161,6 @@ class Outline:
         return (slopes[:, None, :] @ position[self._pieces[segment]])[:, 0]
 
 
-FAR_INSIDE = 0.01
-"""Part of the face's length: a face that lies farther within the outline of the other crosses no
-edge."""
-
 PARALLEL_ANGLE = 1e-2
 """Edges that enclose less than this angle (rad) are parallel and do not cross. The polygon in which
 two faces touch has hardly a corner there, and a crossing would run along both edges when they turn
@@ -240,30 +236,16 @@ class Crossings(FacetCarrier):
             middle: Where both are expected in the middle of the step.
             frame: Frames so far, (count, 3, 3), which pairs that do not cross keep.
         """
-        present: Mask = np.zeros(self.count, dtype=np.bool_)
-        if self.depth_inside(*middle) <= 0.0:
-            frame, framed = self._turned(*middle, frame)
-            end = 2 * middle[0] - edge, 2 * middle[1] - face.position
-            present = self.within(edge, face.position, frame, framed)
-            present = present | self.within(*end, frame, framed)
+        frame, framed = self._turned(*middle, frame)
+        end = 2 * middle[0] - edge, 2 * middle[1] - face.position
+        present = self.within(edge, face.position, frame, framed)
+        present = present | self.within(*end, frame, framed)
         return self.kinematics(edge, face, frame, present), present
 
     @property
     def one_place(self) -> float:
         """Distance within which a crossing and a corner are at one place, m."""
         return ONE_PLACE * self._facet
-
-    def depth_inside(self, edge: Array, face: Array) -> float:
-        """Depth by which the upper face lies within the lower one, beyond `FAR_INSIDE`, m.
-
-        By positions of the nodes of both outlines; nothing crosses where that is positive.
-        """
-        chords = self.lower.chords(face)
-        inwards = crossed(crossed(chords[0], chords[1]), chords)
-        inwards /= np.linalg.norm(inwards, axis=1)[:, None]
-        corners = edge[self.upper.corners] @ inwards.T
-        borders = np.sum(face[self.lower.corners] * inwards, axis=1)
-        return float(np.min(corners - borders)) - FAR_INSIDE * self._length
 
     def _turned(self, edge: Array, face: Array, before: Array) -> tuple[Array, Mask]:
         """Frames that have turned with the edges, and which pairs have one; others as before."""

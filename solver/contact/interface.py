@@ -62,6 +62,7 @@ class Interface:
         pull_scale: The `scale` of a `TractionPull`.
         beds: Springs and dashpots below the points; None where there are none.
         corners: Which of its points share a place; None for points without faces.
+        keys: Of every point, by its face and place; they stay the same whatever faces join.
     """
 
     def __init__(
@@ -121,7 +122,7 @@ class Interface:
         if bed is not None:
             self.beds = PointBeds(bed, np.where(self.area > 0, self.area, corner_area))
         self._constant_bounds = Bounds.uniform(law.dynamic, self.count)
-        self._keys = keys_of(points)
+        self.keys: list[Key] = keys_of(points)
 
     def theta_matrix(self, like: PETSc.Mat) -> PETSc.Mat:
         """(theta/gamma_h) G_T^T w G_T, the part of the theta term that stands in every tangent.
@@ -130,10 +131,6 @@ class Interface:
         """
         assert isinstance(self.points, NitschePoints)
         return theta_matrix(self.points.points, self._pull_weight, like)
-
-    def keys(self) -> list[Key]:
-        """The key of every point: face and place; it stays the same whatever faces join."""
-        return self._keys
 
     def observe(self, u: Array | None, carrier_u: Array | None, since: Memory) -> Observed:
         """The points, and their kinematics over the carrier, for the unknowns of both bodies.
@@ -458,9 +455,9 @@ def carry_over(memory: Memory, old: Interface, new: Interface, fresh: Memory) ->
 
     Points that join under the carrier's surface may not touch before they are out of it.
     """
-    place = {key: k for k, key in enumerate(old.keys())}
-    staying = np.array([key in place for key in new.keys()])
-    before = np.array([place[key] for key in new.keys() if key in place], dtype=np.int64)
+    place = {key: k for k, key in enumerate(old.keys)}
+    staying = np.array([key in place for key in new.keys])
+    before = np.array([place[key] for key in new.keys if key in place], dtype=np.int64)
     carried = fresh.take(np.flatnonzero(staying), memory, before)
     sunk = ~staying & penetrating(new, carried)
     return carried._replace(may_touch=carried.may_touch & ~sunk)

@@ -118,9 +118,7 @@ class BlockObserver:
     def _order_reference(self) -> None:
         """Order the reference positions of its points; nan where one is not known yet."""
         unknown = np.full(self._interface.dimension - 1, np.nan)
-        self._reference = np.array(
-            [self._known.get(key, unknown) for key in self._interface.keys()]
-        )
+        self._reference = np.array([self._known.get(key, unknown) for key in self._interface.keys])
 
     def _corner_positions(self, state: State) -> Array:
         """Positions of the bottom corners."""
@@ -272,7 +270,7 @@ class BlockObserver:
         place = memory.kinematics.place
         lowest = touching(*self._points(memory))
         reference = along + (place[lowest, 1:] - along[lowest]).mean(axis=0)
-        keys = interface.keys()
+        keys = interface.keys
         if isinstance(points, NitschePoints):
             same = np.flatnonzero(points.points.tag == points.points.tag[lowest[0]])
         else:  # all corners of a rigid body
@@ -286,7 +284,7 @@ class BlockObserver:
         That is the position of a point at the start; for points of other faces it is the one with
         which the slip does not jump when they first touch.
         """
-        place, keys = memory.kinematics.place, self._interface.keys()
+        place, keys = memory.kinematics.place, self._interface.keys
         chosen = touching(*self._points(memory))
         known = [place[q, 1:] - self._known[keys[q]] for q in chosen if keys[q] in self._known]
         slip = sum(known) / len(known) if known else self._slip
