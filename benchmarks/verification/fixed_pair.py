@@ -19,8 +19,6 @@ from solver.scene import FrictionSpec
 class FixedPair:
     """One interface, always active; a `ContactPair`."""
 
-    turns = False
-
     def __init__(self, interface: Interface, *, body: int = 0, on: int | None = None):
         """Take the interface, and the numbers of the body of its points and of what they touch."""
         self.body, self.on = body, on
@@ -30,8 +28,8 @@ class FixedPair:
         """No face ever joins."""
         return PairSearch((), slack=np.inf, reach=0.0)
 
-    def overlaps(self, bodies: Bodies) -> bool:
-        """False: only pairs of which nothing is active are asked."""
+    def is_missed(self, bodies: Bodies, active: tuple[()]) -> bool:
+        """False: there is nothing else."""
         return False
 
     def faces(self, active: tuple[()]) -> frozenset[int]:

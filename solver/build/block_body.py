@@ -72,12 +72,9 @@ def block_body(
             damping=scene.damping_of(spec),
             density=relative_density(spec, made.mesh, upright(np.zeros((1, d)))[0]),
         )
-    is_box = spec.shape.solid is None
     ends, by = upright(np.array(spec.shape.bottom_corners(d))), upright(np.zeros((1, d)))[0]
     hull, *parts = (
-        BlockSurface(
-            body, number, each.moved(by), scene.contact, facet_tags, ends=ends, is_box=is_box
-        )
+        BlockSurface(body, number, each.moved(by), scene.contact, facet_tags, ends=ends)
         for each in faces or faces_of_block(spec.shape, d)
     )
     return BlockBody(spec, body, number, upright, start, hull, tuple(parts) or (hull,), facet_tags)

@@ -35,7 +35,7 @@ from solver.bodies.reduced_body import (
 from solver.bodies.rigid_body import Oscillator
 from solver.bodies.surface_layer import RowsLayer
 from solver.build.meshed_body import meshed_body
-from solver.contact.body_points import FixedPoints, NodePoints, RigidPoints
+from solver.contact.body_points import FixedPoints, RigidPoints
 from solver.contact.carriers import Carrier, Face, Plane
 from solver.contact.facets import Facets, carrier_surface
 from solver.errors import NotConverged, SceneError
@@ -103,11 +103,7 @@ class FoundationBody:
         reduction: Reduction | None = None,
     ) -> FoundationBody:
         """A meshed body that carries blocks on these facets."""
-        nodes, frame = (
-            NodePoints(body, surface.layer, surface.positions),
-            level_frame(body.dimension),
-        )
-        top = Face(nodes, surface.nodes, frame, surface.cell, surface.degree)
+        top = Face.of_mesh(body, surface, level_frame(body.dimension))
         return cls(top, number, body, surface, storeys=storeys, reduction=reduction)
 
 
@@ -120,7 +116,8 @@ def _fixed_face(positions: Array) -> Face:
     ends = np.array(list(product((0, 1), repeat=len(low) - 1)))[:, ::-1]  # as basix counts corners
     corners = low + np.column_stack([ends, np.zeros(len(ends))]) * (high - low)
     cell, frame = "interval" if len(low) == 2 else "quadrilateral", level_frame(len(low))
-    return Face(FixedPoints(corners), np.arange(len(corners))[None], frame, cell)
+    ring = corners if len(low) == 2 else corners[[0, 1, 3, 2]]
+    return Face(FixedPoints(corners), np.arange(len(corners))[None], frame, cell, rings=(ring,))
 
 
 def with_top(

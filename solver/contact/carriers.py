@@ -9,17 +9,26 @@ what makes the work of contact forces a difference of states.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple, Protocol
 
 import basix
 import numpy as np
 
 from geometry.foundation import level_frame
-from solver.contact.body_points import FacePoints, FixedPoints, RigidPoints, SurfaceState
+from solver.bodies.elastic_body import ElasticBody
+from solver.bodies.reduced_body import ReducedBody
+from solver.contact.body_points import (
+    FacePoints,
+    FixedPoints,
+    NodePoints,
+    RigidPoints,
+    SurfaceState,
+)
+from solver.contact.facets import Facets, outlines
 from solver.contact.kinematics import (
     ClosestPoints,
     ContactKinematics,
-    Projection,
     in_frames,
     in_space,
     spread,
@@ -192,8 +201,8 @@ class Face(FacetCarrier):
         reference_frame: Rows normal and tangents of the undeformed face, (d, d).
         degree: Polynomial degree on a facet.
         margin: Part of a facet by which points may be beyond its edge.
-        rings: Corners around the pieces of a face, (n, d), m, anticlockwise from outside, in the
-            undeformed body; None where it is one side in the plane, or a rectangle in space.
+        rings: Corners around the pieces of the face, (n, d), m, anticlockwise from outside, in the
+            undeformed body, in the plane their ends; none of a face that touches nothing with them.
         length: Of the longest side of the face, m.
         facet: Length of its smallest facet, m.
     """
@@ -206,7 +215,7 @@ class Face(FacetCarrier):
         cell: str,
         degree: int = 1,
         margin: float = 1e-9,
-        rings: tuple[Array, ...] | None = None,
+        rings: Sequence[Array] = (),
     ):
         """Take the nodes of the face and of each facet, (facets, k), in the plane in their order.
 
@@ -214,7 +223,7 @@ class Face(FacetCarrier):
         "triangle" or "quadrilateral". Points may be beyond an edge by the margin, a part of a
         facet; negative: must be inside.
         """
-        self.margin, self.rings = margin, rings
+        self.margin, self.rings = margin, tuple(rings)
         if cell == "interval" and degree == 2:
             facets = facets[:, [0, 2, 1]]  # as basix counts them: ends first
         frame = np.ascontiguousarray(frame)
@@ -229,6 +238,14 @@ class Face(FacetCarrier):
         self.length = float(np.max(np.ptp(chains.reshape(-1, chains.shape[-1]), axis=0)))
         self.facet = float(np.min(np.max(np.ptp(chains, axis=1), axis=1)))
 
+    @classmethod
+    def of_mesh(
+        cls, body: ElasticBody | ReducedBody, surface: Facets, frame: Array, margin: float = 1e-9
+    ) -> Face:
+        """A face of a meshed body by its facets; frame and margin as above."""
+        nodes, rings = NodePoints(body, surface.layer, surface.positions), outlines(surface)
+        return cls(nodes, surface.nodes, frame, surface.cell, surface.degree, margin, rings)
+
     def frame(self, rotation: Array) -> Array:
         """Rows normal and tangents where its body has turned, (d, d)."""
         return np.asarray(self.reference_frame @ rotation.T) if self.turns else self.reference_frame
@@ -239,18 +256,14 @@ class Face(FacetCarrier):
         """Gaps and tangential positions of points in space, in a frame of the carrier."""
         assert carrier is not None
         (count, d), k = position.shape, self.facets.shape[1]
-        closest = ClosestPoints(
-            nodes=np.empty((count, k), dtype=np.int64),
-            weights=np.empty((count, k)),
-            slope=np.empty((count, d - 1)),
-            stretch=np.empty((count, d - 1, d - 1)),
-            beyond_edge=np.empty(count, dtype=np.bool_),
-        )
+        nodes, weights = np.empty((count, k), dtype=np.int64), np.empty((count, k))
+        slope, stretch = np.empty((count, d - 1)), np.empty((count, d - 1, d - 1))
+        closest = nodes, weights, slope, stretch, np.empty(count, dtype=np.bool_)
         place = np.empty((count, d))
         meshed.project_onto_facets(
             *self._shapes, position, carrier.position, frame, place, *closest
         )
-        return ContactKinematics(place, place, frame, carrier, Projection(closest))
+        return ContactKinematics(place, place, frame, carrier, ClosestPoints(*closest))
 
     def vectors(self, old: ContactKinematics, new: ContactKinematics, force: Array) -> Array:
         """Point forces as vectors in space such that their work on increments is exact."""
@@ -271,14 +284,16 @@ class Face(FacetCarrier):
 
     def beyond_edge(self, kinematics: ContactKinematics) -> Mask | None:
         """Points beyond the edge of the face."""
-        assert isinstance(kinematics.projection, Projection)
+        assert isinstance(kinematics.projection, ClosestPoints)
         return kinematics.projection.beyond_edge
 
 
 def foot_point_arrays(kinematics: ContactKinematics) -> FootPointArrays:
     """Foot points on a face at one instant."""
-    assert isinstance(kinematics.projection, Projection) and kinematics.carrier is not None
-    return *kinematics.projection.closest[:4], kinematics.place, kinematics.carrier.position
+    closest, carrier = kinematics.projection, kinematics.carrier
+    assert isinstance(closest, ClosestPoints) and carrier is not None
+    surface = closest.nodes, closest.weights, closest.slope, closest.stretch
+    return *surface, kinematics.place, carrier.position
 
 
 def facet_shapes(

@@ -37,12 +37,6 @@ from solver.scene import Bed, FrictionSpec
 from solver.types import Array, Indices, Mask
 
 
-def rectangle_around(level: Array) -> Array:
-    """Corners of the rectangle around places in the plane, (n, 2), anticlockwise, (4, 2), m."""
-    (left, front), (right, back) = level.min(axis=0), level.max(axis=0)
-    return np.array([[left, front], [right, front], [right, back], [left, back]])
-
-
 def distance_inside(places: Array, ring: Array) -> Array:
     """How far places in the plane, (m, 2), are within a convex polygon, (n, 2), in any sense, m."""
     sides = np.roll(ring, -1, axis=0) - ring
@@ -63,19 +57,15 @@ def distance_to_edges(places: Array, ring: Array) -> Array:
     return np.asarray(apart.min(axis=1))
 
 
-def _edges_of(level: Array, rings: Sequence[Array] | None) -> tuple[Array, Array]:
+def _edges_of(rings: Sequence[Array]) -> tuple[Array, Array]:
     """Begins and ends of the edges around a face along its tangents, anticlockwise, (count, 2).
 
-    Args:
-        level: Places of the nodes on the outline.
-        rings: Corners around the pieces of the face, that of the outermost first; None: it is the
-            rectangle around the nodes.
+    By corners around the pieces of the face, that of the outermost first.
     """
-    given = [rectangle_around(level)] if rings is None else list(rings)
-    if area_of(given[0]) < 0:
-        given = [ring[::-1] for ring in given]
-    ends = [np.roll(ring, -1, axis=0) for ring in given]
-    return np.concatenate(given), np.concatenate(ends)
+    if area_of(rings[0]) < 0:
+        rings = [ring[::-1] for ring in rings]
+    ends = [np.roll(ring, -1, axis=0) for ring in rings]
+    return np.concatenate(rings), np.concatenate(ends)
 
 
 class Outline:
@@ -87,22 +77,16 @@ class Outline:
         corners: Numbers of the nodes at which the edges begin, (count,).
     """
 
-    def __init__(
-        self,
-        points: FacePoints,
-        degree: int,
-        frame: Array,
-        rings: tuple[Array, ...] | None = None,
-    ):
+    def __init__(self, points: FacePoints, degree: int, frame: Array, rings: Sequence[Array]):
         """Take the nodes on the outline; between them it has a polynomial degree of 1 or 2.
 
         The frame has the normal of who sees it from above and the tangents, in the undeformed body.
-        The rings have the corners there, (n, 3), m; None: of a rectangle along the frame.
+        The rings have the corners there, (n, 3), m.
         """
         self.points, self._degree = points, degree
         level = points.reference @ frame[1:].T
         near = 1e-9 * float(np.ptp(level, axis=0).max())
-        begins, ends = _edges_of(level, None if rings is None else [r @ frame[1:].T for r in rings])
+        begins, ends = _edges_of([ring @ frame[1:].T for ring in rings])
         self.count = len(begins)
         pieces: list[Indices] = []
         starts: list[float] = []
@@ -176,10 +160,6 @@ class Outline:
             slopes = np.stack([4 * x - 3, 4 - 8 * x, 4 * x - 1], axis=1)
         return (slopes[:, None, :] @ position[self._pieces[segment]])[:, 0]
 
-
-FAR_INSIDE = 0.01
-"""Part of the face's length: a face that lies farther within the outline of the other crosses no
-edge."""
 
 PARALLEL_ANGLE = 1e-2
 """Edges that enclose less than this angle (rad) are parallel and do not cross. The polygon in which
@@ -256,30 +236,16 @@ class Crossings(FacetCarrier):
             middle: Where both are expected in the middle of the step.
             frame: Frames so far, (count, 3, 3), which pairs that do not cross keep.
         """
-        present: Mask = np.zeros(self.count, dtype=np.bool_)
-        if self.depth_inside(*middle) <= 0.0:
-            frame, framed = self._turned(*middle, frame)
-            end = 2 * middle[0] - edge, 2 * middle[1] - face.position
-            present = self.within(edge, face.position, frame, framed)
-            present = present | self.within(*end, frame, framed)
+        frame, framed = self._turned(*middle, frame)
+        end = 2 * middle[0] - edge, 2 * middle[1] - face.position
+        present = self.within(edge, face.position, frame, framed)
+        present = present | self.within(*end, frame, framed)
         return self.kinematics(edge, face, frame, present), present
 
     @property
     def one_place(self) -> float:
         """Distance within which a crossing and a corner are at one place, m."""
         return ONE_PLACE * self._facet
-
-    def depth_inside(self, edge: Array, face: Array) -> float:
-        """Depth by which the upper face lies within the lower one, beyond `FAR_INSIDE`, m.
-
-        By positions of the nodes of both outlines; nothing crosses where that is positive.
-        """
-        chords = self.lower.chords(face)
-        inwards = crossed(crossed(chords[0], chords[1]), chords)
-        inwards /= np.linalg.norm(inwards, axis=1)[:, None]
-        corners = edge[self.upper.corners] @ inwards.T
-        borders = np.sum(face[self.lower.corners] * inwards, axis=1)
-        return float(np.min(corners - borders)) - FAR_INSIDE * self._length
 
     def _turned(self, edge: Array, face: Array, before: Array) -> tuple[Array, Mask]:
         """Frames that have turned with the edges, and which pairs have one; others as before."""
@@ -548,11 +514,6 @@ class CrossingInterface(Interface):
         stays = memory.may_touch.copy()
         stays[there[which[~off]]] = False
         return memory.touching(stays), corners.touching(left)
-
-    def apart(self, surface: SurfaceState, kinematics: ContactKinematics) -> float:
-        """Depth of the one outline within the other, m; negative where it is not."""
-        assert kinematics.carrier is not None
-        return self.crossings.depth_inside(surface.position, kinematics.carrier.position)
 
     def inside(self, memory: Memory) -> Mask:
         """Pairs that cross at this instant, not only at some time in its step."""

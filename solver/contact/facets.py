@@ -7,13 +7,12 @@ others.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import basix
 import basix.ufl
 import numpy as np
 from dolfinx import fem, mesh
-from numpy.typing import NDArray
 
 from geometry.compat import geometry_degree, geometry_nodes
 from geometry.polygon import without_straight
@@ -21,25 +20,28 @@ from solver.bodies.surface_layer import Layer
 from solver.contact.quadrature import Cut, facet_rule, on_facets
 from solver.types import Array, Indices
 
-Records = tuple[NDArray[Any], ...]
 
-
-@dataclass(frozen=True, slots=True)
-class Evaluations:
-    """One evaluation of the displacement gradient for each facet and rule point.
-
-    The rows are in one order on every rank.
-    """
+class Evaluations(NamedTuple):
+    """One evaluation of the displacement gradient for each facet and rule point, e of them."""
 
     nodes: Indices
-    values: Array
-    gradients: Array
+    """Nodes of the cell, (e, k): their global numbers, or places in a layer."""
     node_positions: Array
+    """Where these are, (e, k, d), m."""
+    values: Array
+    """Their shape functions there, (e, k)."""
+    gradients: Array
+    """Derivatives of these, (e, k, d), 1/m."""
     normal: Array
+    """Outward unit normals, (e, d)."""
     weight: Array
+    """Length or area that each stands for, (e,), m or m2."""
     size: Array
+    """Cell volume over facet area, (e,), m."""
     tag: Indices
+    """Tag of the facet, (e,)."""
     position: Array
+    """(e, d), m."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,8 +111,8 @@ def evaluate_facets(
     points: str,
     degree: int,
     cut: Cut | None = None,
-) -> Records:
-    """Rows for all owned facets and rule points: the columns of `Evaluations`, with global nodes.
+) -> Evaluations:
+    """Evaluations of all owned facets and rule points, with global nodes.
 
     The rule may be one on pieces of them, that `cut` gives.
     """
@@ -135,16 +137,16 @@ def evaluate_facets(
         "eji,ej->ei", inverse, basix.cell.facet_outward_normals(kind)[found.sides[row]]
     )
     nodes, node_positions = cell_nodes(V, found.cells)
-    return (
-        nodes[row],
-        values[0],
-        np.einsum("jek,eji->eki", values[1:], inverse),
-        node_positions[row],
-        normal / np.linalg.norm(normal, axis=1)[:, None],
-        weight * _area(jacobian, edges[row]),
-        _cell_heights(mapping, kind, x, found.sides)[row],
-        found.tags[row],
-        _places(mapping, at, x[row]),
+    return Evaluations(
+        nodes=nodes[row],
+        node_positions=node_positions[row],
+        values=values[0],
+        gradients=np.einsum("jek,eji->eki", values[1:], inverse),
+        normal=normal / np.linalg.norm(normal, axis=1)[:, None],
+        weight=weight * _area(jacobian, edges[row]),
+        size=_cell_heights(mapping, kind, x, found.sides)[row],
+        tag=found.tags[row],
+        position=_places(mapping, at, x[row]),
     )
 
 
@@ -217,30 +219,22 @@ def shared_layer(
     return rank_in_layer[inverse.reshape(nodes.shape)], where[canonical], layer
 
 
-def gather(V: fem.FunctionSpace, records: Records, scale: float) -> tuple[Evaluations, Layer]:
-    """All records in an order that no partition changes, and the layer of their nodes.
+def gather(
+    V: fem.FunctionSpace, owned: Evaluations, scale: float
+) -> tuple[Evaluations, Array, Layer]:
+    """The evaluations of all ranks in an order that no partition changes; collective.
 
-    Places that are nearer than 1e-9 of `scale` are one.
+    Also the positions of their nodes, and the layer of these. Places that are nearer than 1e-9 of
+    `scale` are one.
     """
-    everything = V.mesh.comm.allgather(records)
-    nodes, values, gradients, where, normal, weight, size, tag, position = (
-        np.concatenate(column) for column in zip(*everything, strict=True)
-    )
-    places = np.round(np.column_stack([position, where.mean(axis=1)]) / scale, 9)
-    order = np.lexsort((*places.T[::-1], tag))
-    numbers, node_positions, layer = shared_layer(V, nodes, where, scale)
-    table = Evaluations(
-        nodes=numbers[order],
-        values=values[order],
-        gradients=gradients[order],
-        node_positions=node_positions,
-        normal=normal[order],
-        weight=weight[order],
-        size=size[order],
-        tag=tag[order],
-        position=position[order],
-    )
-    return table, layer
+    columns = zip(*V.mesh.comm.allgather(owned), strict=True)
+    table = Evaluations(*(np.concatenate(column) for column in columns))
+    middles = table.node_positions.mean(axis=1)
+    places = np.round(np.column_stack([table.position, middles]) / scale, 9)
+    order = np.lexsort((*places.T[::-1], table.tag))
+    numbers, positions, layer = shared_layer(V, table.nodes, table.node_positions, scale)
+    table = table._replace(nodes=numbers)
+    return Evaluations(*(column[order] for column in table)), positions, layer
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -18,11 +18,14 @@ class PlacedHull(NamedTuple):
         corners: (n, d), m; none of what has no end below its only face, such as the ground.
         normals: Outward unit normals of its faces, (faces, d).
         levels: How far the faces reach along their normals, (faces,), m.
+        borders: Normals and levels of the planes through the edges of a face; None: they are those
+            of the other faces.
     """
 
     corners: Array
     normals: Array
     levels: Array
+    borders: tuple[Array, Array] | None = None
 
 
 class Hull:
@@ -31,18 +34,23 @@ class Hull:
     A body that deforms takes its corners along: the faces are planes through what is there.
     """
 
-    def __init__(self, points: FacePoints, faces: Sequence[Sequence[int]]):
-        """Take the points, and the corners of each face, anticlockwise from outside."""
+    def __init__(self, points: FacePoints, faces: Sequence[Sequence[int]], is_whole: bool = True):
+        """Take the points, and the corners of each face, anticlockwise from outside.
+
+        `is_whole`: the body has all of each face, which else may have edges anywhere.
+        """
         self.points = points
+        self._borders = None if is_whole else (np.zeros((1, points.dimension)), np.array([-np.inf]))
         most = max(map(len, faces))
         # Its last corner again and again adds nothing to the normal of a face with fewer.
-        self._faces: Indices = np.array([[*f, *f[-1:] * (most - len(f))] for f in map(list, faces)])
+        self.faces: Indices = np.array([[*f, *f[-1:] * (most - len(f))] for f in map(list, faces)])
+        """Numbers of the corners around each face, (faces, k)."""
         self.size = points.size
 
     def placed(self, u: Array | None) -> PlacedHull:
         """The hull for the owned unknowns of its body."""
         x = self.points.observe(u).position
-        rings = x[self._faces]
+        rings = x[self.faces]
         if x.shape[1] == 2:
             sides = rings[:, 1] - rings[:, 0]
             normals = np.stack([sides[:, 1], -sides[:, 0]], axis=1)
@@ -50,7 +58,7 @@ class Hull:
             normals = np.cross(rings, np.roll(rings, -1, axis=1)).sum(axis=1)
         normals = normals / np.linalg.norm(normals, axis=1)[:, None]
         levels = np.max(np.sum(rings * normals[:, None], axis=2), axis=1)
-        return PlacedHull(x, normals, levels)
+        return PlacedHull(x, normals, levels, self._borders)
 
 
 class Floor:
@@ -64,11 +72,14 @@ class Floor:
 
     def placed(self, u: Array | None) -> PlacedHull:
         """The face, as high as its highest point."""
-        up = np.eye(self._d)[-1:]
-        level = np.zeros(1)
-        if self.points is not None:
-            level[0] = self.points.observe(u).position[:, -1].max()
-        return PlacedHull(np.empty((0, self._d)), up, level)
+        axes, nowhere = np.eye(self._d), np.empty((0, self._d))
+        along, up = axes[:-1], axes[-1:]
+        if self.points is None:
+            return PlacedHull(nowhere, up, np.zeros(1), (nowhere, np.empty(0)))
+        x = self.points.observe(u).position
+        *high, level = x.max(axis=0)
+        ends = np.concatenate([high, -x.min(axis=0)[:-1]])
+        return PlacedHull(nowhere, up, np.array([level]), (np.concatenate([along, -along]), ends))
 
 
 def gaps(one: PlacedHull, other: PlacedHull) -> Array:
@@ -81,6 +92,15 @@ def _gaps(one: PlacedHull, other: PlacedHull) -> Array:
     if not len(other.corners):
         return np.full(len(one.levels), -np.inf)
     return np.asarray((other.corners @ one.normals.T).min(axis=0) - one.levels)
+
+
+def depth_inside(places: Array, hull: PlacedHull, face: int) -> float:
+    """How far places, (n, d), m, are within the edges of a face; infinite where it has none."""
+    normals, levels = hull.borders or (
+        np.delete(hull.normals, face, axis=0),
+        np.delete(hull.levels, face),
+    )
+    return float((levels - places @ normals.T).min(initial=np.inf))
 
 
 def separating_face(now: Array, ahead: Array) -> int:

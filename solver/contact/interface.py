@@ -62,6 +62,7 @@ class Interface:
         pull_scale: The `scale` of a `TractionPull`.
         beds: Springs and dashpots below the points; None where there are none.
         corners: Which of its points share a place; None for points without faces.
+        keys: Of every point, by its face and place; they stay the same whatever faces join.
     """
 
     def __init__(
@@ -74,7 +75,6 @@ class Interface:
         count: int | None = None,
         bed: Bed | None = None,
         corner_area: float = 0.0,
-        of_edge: bool = False,
         shared: frozenset[int] = frozenset(),
     ):
         """Set up.
@@ -88,14 +88,11 @@ class Interface:
                 them.
             bed: Springs and dashpots between points and carrier.
             corner_area: What points without an area count for in it, m2.
-            of_edge: True if the points are the edge of what carries a block, which presses on the
-                bottom of that.
             shared: Tags of faces whose tractions stand in the theta term of another interface: it
                 is there once, whatever faces look at.
         """
         self.points, self.carrier, self.law = points, carrier, law
         self._friction = FrictionLaw.of(law)
-        self._of_edge = of_edge
         self.count, self.dimension = count or points.count, points.dimension
         self.size = points.size
         self.weight: Array = np.zeros(self.count)
@@ -125,7 +122,7 @@ class Interface:
         if bed is not None:
             self.beds = PointBeds(bed, np.where(self.area > 0, self.area, corner_area))
         self._constant_bounds = Bounds.uniform(law.dynamic, self.count)
-        self._keys = keys_of(points)
+        self.keys: list[Key] = keys_of(points)
 
     def theta_matrix(self, like: PETSc.Mat) -> PETSc.Mat:
         """(theta/gamma_h) G_T^T w G_T, the part of the theta term that stands in every tangent.
@@ -134,10 +131,6 @@ class Interface:
         """
         assert isinstance(self.points, NitschePoints)
         return theta_matrix(self.points.points, self._pull_weight, like)
-
-    def keys(self) -> list[Key]:
-        """The key of every point: face and place; it stays the same whatever faces join."""
-        return self._keys
 
     def observe(self, u: Array | None, carrier_u: Array | None, since: Memory) -> Observed:
         """The points, and their kinematics over the carrier, for the unknowns of both bodies.
@@ -223,14 +216,6 @@ class Interface:
             return self._constant_bounds
         return self._friction.bounds_followed(past, self.area, mu, speed, slips)
 
-    def apart(self, surface: SurfaceState, kinematics: ContactKinematics) -> float:
-        """Least distance of an edge from the face that may touch it, m; 0 for other points."""
-        if not self._of_edge or kinematics.carrier is None:
-            return 0.0
-        nodes, x = kinematics.carrier.position, surface.position
-        off = np.maximum(np.maximum(nodes.min(axis=0) - x, x - nodes.max(axis=0)), 0.0)
-        return float(np.linalg.norm(off, axis=1).min())
-
     def inside(self, memory: Memory) -> Mask:
         """Points that may touch and are not beyond an edge of their carrier."""
         beyond = self.carrier.beyond_edge(memory.kinematics)
@@ -265,6 +250,8 @@ class Interface:
     def add_forces(self, increment: ContactIncrement, on: Parts, weights: ForceWeights) -> None:
         """Add the forces on both bodies to those on their unknowns, in place."""
         (old_surface, old), (surface, new), force = increment
+        if not (self.theta or force.any()):
+            return
         weighted, (on_body, on_carrier) = weights.points * force, on
         vectors, reaction = self.point_forces(old, new, weighted)
         if on_body is not None and isinstance(self.points, NitschePoints):
@@ -468,9 +455,9 @@ def carry_over(memory: Memory, old: Interface, new: Interface, fresh: Memory) ->
 
     Points that join under the carrier's surface may not touch before they are out of it.
     """
-    place = {key: k for k, key in enumerate(old.keys())}
-    staying = np.array([key in place for key in new.keys()])
-    before = np.array([place[key] for key in new.keys() if key in place], dtype=np.int64)
+    place = {key: k for k, key in enumerate(old.keys)}
+    staying = np.array([key in place for key in new.keys])
+    before = np.array([place[key] for key in new.keys if key in place], dtype=np.int64)
     carried = fresh.take(np.flatnonzero(staying), memory, before)
     sunk = ~staying & penetrating(new, carried)
     return carried._replace(may_touch=carried.may_touch & ~sunk)

@@ -31,36 +31,20 @@ class Interpolation:
         return found
 
 
-class ClosestPoints(NamedTuple):
-    """Closest points of m points on the facets of a face; t = d - 1."""
+@dataclass(slots=True, eq=False)
+class ClosestPoints(Interpolation):
+    """Closest points of m points on the facets of a face, by the nodes of these; t = d - 1.
 
-    nodes: Indices
-    """Nodes of the facet, (m, k)."""
-    weights: Array
-    """Shape functions N of these there, (m, k)."""
+    Attributes:
+        slope: Rise of the face along the tangents of the frame, (m, t); blended with that of the
+            next facet where facets meet, so that it is continuous.
+        stretch: Current over undeformed tangential lengths, likewise, (m, t, t).
+        beyond_edge: Points beyond the edge of the face by more than its margin, (m,).
+    """
+
     slope: Array
-    """Rise of the face along the tangents of the frame, (m, t); blended with that of the next
-    facet where facets meet, so that it is continuous."""
     stretch: Array
-    """Current over undeformed tangential lengths, likewise, (m, t, t)."""
     beyond_edge: Mask
-    """Points beyond the edge of the face by more than its margin, (m,)."""
-
-
-@dataclass(slots=True, init=False, eq=False)
-class Projection(Interpolation):
-    """Closest points on the facets of a face."""
-
-    closest: ClosestPoints
-
-    def __init__(self, closest: ClosestPoints):
-        """Take the closest points as arrays."""
-        self.nodes, self.weights, self.closest = closest.nodes, closest.weights, closest
-
-    @property
-    def beyond_edge(self) -> Mask:
-        """Points beyond the edge of the face, (m,)."""
-        return self.closest.beyond_edge
 
 
 @dataclass(slots=True, eq=False)
@@ -98,7 +82,7 @@ class ContactKinematics(NamedTuple):
     of them, (m, d, d)."""
     carrier: SurfaceState | None = None
     """Positions of the carrier's own points; None for the ground."""
-    projection: Projection | EdgeInterpolation | None = None
+    projection: ClosestPoints | EdgeInterpolation | None = None
     """Closest points on the carrier; None on a plane."""
     own_projection: EdgeInterpolation | None = None
     """Places between nodes of their own body; None where they are those nodes."""

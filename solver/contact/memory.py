@@ -26,9 +26,6 @@ class Memory(NamedTuple):
             opposes the carrier; no point that came round the carrier's edge.
         past: What they remember of their friction (`solver.law.friction.PAST`), (points, PAST).
         compression: Of the bed below them, (points,), m; 0 where there is none.
-        clear: How far the points and their carrier may move, together, before they have to be
-            observed, m: an interface far from contact. Until then all else stays as it was
-            when that was done last. 0 where every step does so.
     """
 
     surface: SurfaceState
@@ -38,7 +35,6 @@ class Memory(NamedTuple):
     may_touch: Mask
     past: Array
     compression: Array
-    clear: float = 0.0
 
     @property
     def seen(self) -> Observed:
@@ -73,7 +69,7 @@ class Memory(NamedTuple):
         )
 
 
-KINEMATICS = ("surface", "kinematics", "clear")
+KINEMATICS = ("surface", "kinematics")
 """Fields of a memory that say where points are; all others follow from the past alone."""
 
 REMEMBERED = tuple(name for name in Memory._fields if name not in KINEMATICS)
@@ -86,10 +82,6 @@ class Dissipation(NamedTuple):
     friction: float
     contact: float
     damping: float
-
-
-NOTHING_LOST = Dissipation(friction=0.0, contact=0.0, damping=0.0)
-"""Loss of a step in which nothing touches."""
 
 
 INTERFACE_SHARE = 1e-3
@@ -109,7 +101,6 @@ def contact_changed(old: Sequence[Memory], new: Sequence[Memory], rigid: Sequenc
     changes = [
         meshed.changed_forces(before.force, after.force, before.past, after.past, alone)
         for before, after, alone in zip(old, new, rigid, strict=True)
-        if not after.clear  # far from contact at both ends
     ]
     least = TOTAL_SHARE * sum(carried for _, carried in changes)
     return any(shaken > max(INTERFACE_SHARE * carried, least) for shaken, carried in changes)

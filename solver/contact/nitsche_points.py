@@ -51,24 +51,13 @@ class SurfaceRows(NamedTuple):
     reference: Array
     """Positions of the points in the undeformed body, (p, d), m."""
 
-    @classmethod
-    def of(
-        cls,
-        *,
-        nodes: Indices,
-        values: Array,
-        gradients: Array,
-        point: Indices,
-        share: Array,
-        stress_rows: Array,
-        reference: Array,
-    ) -> SurfaceRows:
-        """The parts, as the fields name them, put together."""
-        e = len(nodes)
-        parts = share[:, None], values, gradients.reshape(e, -1), stress_rows.reshape(e, -1)
-        numbers: Indices = np.ascontiguousarray(np.column_stack([point, nodes]), dtype=np.int64)
-        whole: Array = np.ascontiguousarray(np.concatenate(parts, axis=1))
-        return cls(numbers, whole, np.ascontiguousarray(reference))
+    def parts(self) -> tuple[Array, Array, Array, Array]:
+        """The numbers of `table`, (e,), (e, k), (e, k, d) and (e, d, d, d)."""
+        (e, d), k = (len(self.table), self.reference.shape[1]), self.numbers.shape[1] - 1
+        share, values, gradients, stiffness = np.split(
+            self.table, [1, 1 + k, 1 + k + k * d], axis=1
+        )
+        return share[:, 0], values, gradients.reshape(e, k, d), stiffness.reshape(e, d, d, d)
 
 
 class NitscheState(NamedTuple):
@@ -116,6 +105,7 @@ class ContactPoints:
     def __init__(
         self,
         table: Evaluations,
+        node_positions: Array,
         layer: Layer,
         material: Material,
         *,
@@ -129,57 +119,53 @@ class ContactPoints:
         `merge`: evaluations of one face at one place are one point. Places that are nearer than
         1e-9 of the size of the whole body (m) are one.
         """
-        self.layer, self.material, self.size = layer, material, size
-        self.node_positions = table.node_positions
+        self.layer, self.size, self.node_positions = layer, size, node_positions
         self.dimension = table.position.shape[1]
         first, point = _merged(table, size) if merge else _apart(table)
         self.count = len(first)
         self.weight: Array = np.asarray(np.bincount(point, table.weight), dtype=np.float64)
-        average = _averages(table, point, self.weight)
+        share = table.weight / self.weight[point]
+        each = np.arange(len(point))
+        average = sp.csr_matrix((share, (point, each)), shape=(self.count, len(point)))
         self.reference: Array = table.position[first]
         self.tag = table.tag[first]
         self.normal = average @ table.normal
         self.gamma_h: Array = gamma * material.longitudinal * degree**2 / (average @ table.size)
-        self._normal = table.normal
         shape_functions = np.where(np.abs(table.values) < 1e-14, 0.0, table.values)
-        values = sp.csr_matrix(average @ _node_rows(table, shape_functions, layer))
-        values.eliminate_zeros()  # what tabulation leaves at other nodes
-        self._sparse = average, values, _gradient_rows(table, layer)
-        self.values_T = sp.csr_matrix(values.T)
-        self.rows = SurfaceRows.of(
-            nodes=table.nodes,
-            values=shape_functions,
-            gradients=table.gradients,
-            point=point,
-            share=table.weight / self.weight[point],
-            stress_rows=normal_stress_map(material, table.normal),
-            reference=self.reference,
+        stiffness = normal_stress_map(material, table.normal)
+        parts = share, shape_functions, table.gradients, stiffness
+        self.rows = SurfaceRows(
+            np.ascontiguousarray(np.column_stack([point, table.nodes]), dtype=np.int64),
+            np.ascontiguousarray(np.column_stack([each.reshape(len(point), -1) for each in parts])),
+            np.ascontiguousarray(self.reference),
         )
+        self.values_T = sp.csr_matrix(self._rows_of(share[:, None] * shape_functions).T)
+
+    def _rows_of(self, each: Array) -> sp.csr_matrix:
+        """Rows of the points by those of their evaluations, added up, without zeros.
+
+        The latter are (e, k), or (e, k, d, d) where each node has d columns and each point d rows.
+        """
+        numbers = self.rows.numbers
+        d = each.shape[-1] if each.ndim == 4 else 1
+        each = each.reshape(*each.shape[:2], d, d)
+        rows = numbers[:, :1, None, None] * d + np.arange(d)[:, None]
+        columns = numbers[:, 1:, None, None] * d + np.arange(d)
+        places = (np.broadcast_to(part, each.shape).ravel() for part in (rows, columns))
+        shape = self.count * d, self.layer.size * d
+        found = sp.csr_matrix((each.ravel(), tuple(places)), shape=shape)
+        found.eliminate_zeros()  # what tabulation leaves at other nodes
+        return found
 
     def traction_rows(self) -> sp.csr_matrix:
         """T of the undeformed body as a linear map, (points d, nodes d): C sym(grad u) N."""
-        d, lame, shear = self.dimension, self.material.lame, self.material.shear
-        average, _, gradient = self._sparse
-        along = [gradient[j::d] for j in range(d)]
-        normals = [sp.diags(self._normal[:, j]) for j in range(d)]
-        across = sum(normals[j] @ along[j] for j in range(d))
-        blocks = [
-            [
-                lame * normals[i] @ along[k]
-                + shear * normals[k] @ along[i]
-                + (shear * across if i == k else 0 * across)
-                for k in range(d)
-            ]
-            for i in range(d)
-        ]
-        points = sp.bmat([[average @ blocks[i][k] for k in range(d)] for i in range(d)]).tocsr()
-        rows = np.arange(self.count * d).reshape(d, self.count).T.ravel()
-        columns = np.arange(self.layer.size * d).reshape(d, self.layer.size).T.ravel()
-        return sp.csr_matrix(points[rows][:, columns])
+        share, _, gradients, stiffness = self.rows.parts()
+        along = np.einsum("eijl,eal->eaij", stiffness, gradients)
+        return self._rows_of(2.0 * share[:, None, None, None] * along)
 
     def position_rows(self) -> sp.csr_matrix:
         """Positions as a linear map of the displacements, (points d, nodes d)."""
-        return sp.csr_matrix(sp.kron(self._sparse[1], sp.identity(self.dimension), "coo"))
+        return sp.csr_matrix(sp.kron(self.values_T.T, sp.identity(self.dimension), "coo"))
 
 
 def _merged(table: Evaluations, size: float) -> tuple[Indices, Indices]:
@@ -193,28 +179,6 @@ def _apart(table: Evaluations) -> tuple[Indices, Indices]:
     """The first evaluation and the point of each, where every evaluation is its own point."""
     each = np.arange(len(table.position))
     return each, each
-
-
-def _averages(table: Evaluations, point: Indices, weight: Array) -> sp.csr_matrix:
-    """Averages over the evaluations that meet in a point, (points, evaluations)."""
-    each = np.arange(len(point))
-    share = table.weight / weight[point]
-    return sp.csr_matrix((share, (point, each)), shape=(len(weight), len(point)))
-
-
-def _node_rows(table: Evaluations, factors: Array, layer: Layer) -> sp.csr_matrix:
-    """Factors at the nodes of each evaluation as rows over the layer, (evaluations, nodes)."""
-    count, nodes = table.nodes.shape
-    rows = np.repeat(np.arange(count), nodes)
-    return sp.csr_matrix((factors.ravel(), (rows, table.nodes.ravel())), shape=(count, layer.size))
-
-
-def _gradient_rows(table: Evaluations, layer: Layer) -> sp.csr_matrix:
-    """Derivatives at the evaluations, (evaluations d, nodes): d rows for each evaluation."""
-    count, dimension = table.position.shape
-    directions = [_node_rows(table, table.gradients[:, :, j], layer) for j in range(dimension)]
-    order = np.arange(count * dimension).reshape(dimension, count).T.ravel()
-    return sp.vstack(directions).tocsr()[order]
 
 
 def contact_points(
@@ -238,10 +202,9 @@ def contact_points(
         raise ValueError(f"contact_points: got cuts with points at {points!r}, allowed 'gauss'")
     degree = V.ufl_element().degree
     size = extent(V.mesh)
-    table, layer = gather(V, evaluate_facets(V, facet_tags, points, degree, cut), size)
+    owned = evaluate_facets(V, facet_tags, points, degree, cut)
     return ContactPoints(
-        table,
-        layer,
+        *gather(V, owned, size),
         material,
         gamma=gamma,
         degree=degree,

@@ -2,8 +2,9 @@
 
 Two bodies are active while they are near, a block and what carries it at the start always: then two
 of their faces look at each other, those along whose normals they are apart, or overlap least (the
-separating axis theorem). Bodies that are not convex meet what carries them by the faces of their
-convex hulls, of which they may have less than all, and others by those of their convex parts.
+separating axis theorem). The outline of the second body's face is active while the first's face is
+not well within it. Bodies that are not convex meet what carries them by the faces of their convex
+hulls, of which they may have less than all, and others by those of their convex parts.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from solver.contact.edge_crossings import CrossingInterface, Crossings
 from solver.contact.hull import (
     Floor,
     PlacedHull,
+    depth_inside,
     gaps,
     opposite_face,
     separating_face,
@@ -80,18 +82,16 @@ class ContactPair(Protocol):
     Attributes:
         body: Number of the first body.
         on: Number of the second body; None for what is fixed to the ground.
-        turns: True if the second body turns: it is a block.
     """
 
     body: int
     on: int | None
-    turns: bool
 
     def search(self, bodies: Bodies, before: Any) -> PairSearch:
         """What is active in a step, by what was before it; None before the first."""
 
-    def overlaps(self, bodies: Bodies) -> bool:
-        """True if the bodies are in one another."""
+    def is_missed(self, bodies: Bodies, active: Any) -> bool:
+        """True if something else than what is active is in contact."""
 
     def faces(self, active: Any) -> frozenset[int]:
         """Tags of the faces of the body whose points with tractions are active."""
@@ -104,15 +104,17 @@ class ActiveFaces(NamedTuple):
     """Two faces that look at each other.
 
     Attributes:
-        first: Tag of that of the first body; `FLOOR` where an endless plane looks at it.
+        first: Tag of that of the first body.
         second: That of the second body; `FLOOR` of what is no block.
         faces: Tags of the faces of the first body that are turned towards the second's, or were so
             since that looks at it.
+        at_edge: True if the first body's face is near the outline of the second's.
     """
 
     first: int
     second: int
     faces: frozenset[int]
+    at_edge: bool = False
 
 
 FLOOR = 0
@@ -126,8 +128,9 @@ no regular polygon stand there: those of a hexagon and of a triangle that is abo
 next side are at 60 degrees, where round-off would decide."""
 
 NEAR = 0.01
-"""Part of the smaller body's size below which two bodies are near: their faces are active. They
-stay so up to twice as far."""
+"""Part of the smaller body's size below which two bodies are near: their faces are active; and by
+which a face is farther within the outline of another one where that is not. They stay so up to
+twice as far."""
 
 HELD = 1e-6
 """Part of that size by which bodies may overlap more along the normal of the active face than along
@@ -175,41 +178,48 @@ class FacePair:
                 second body's face is that top.
         """
         self.body, self.on = first.number, second.number
-        self.turns = isinstance(second, BlockSurface)
         self._first, self._second, self._law, self._bed = first, second, law, bed
         self._stands, self._size = stands, min(first.hull.size, second.hull.size)
-        self._only_turns = stands and not second.has_outline  # nothing else changes what is active
         self._lower: dict[int, Carrier | None] = {}  # faces of the second body
         self._own: dict[tuple[int, frozenset[int], frozenset[int]], Interface] = {}
-        self._outlines: dict[tuple[int, int], tuple[list[Interface], list[Interface]]] = {}
+        self._outlines: dict[tuple[int, int], list[Link]] = {}
 
     # ------------------------------------------------------------- which faces
 
     def search(self, bodies: Bodies, before: ActiveFaces | None) -> PairSearch:
         """The faces that look at each other in a step; None where the bodies are not near."""
         if before is None and self._stands:
-            top = self._second.tags[self._second.top]
-            bottom = int(FacetTag.BOTTOM)
-            seen = bottom if self._second.has_outline else FLOOR
-            before = ActiveFaces(seen, top, frozenset({bottom}))
-        now, first, second = self._placed(bodies.unknowns)
-        ahead, _, _ = self._placed(bodies.expected)
+            bottom, top = int(FacetTag.BOTTOM), self._second.tags[self._second.top]
+            before = ActiveFaces(bottom, top, frozenset({bottom}))
+        first, second = places = self._placed(bodies.unknowns)
+        later = self._placed(bodies.expected)
+        now, ahead = gaps(*places), gaps(*later)
         size = self._size
         near = NEAR * size * (1.0 if before is None else 2.0)
         apart = float(np.minimum(now, ahead).max())  # bodies may pass one another in a step
         if apart > near:
-            return self._found(before if self._stands else None, bodies, apart - near)
+            idle = None
+            if before is not None and self._stands:
+                idle = before._replace(at_edge=False)
+            return self._found(idle, bodies, apart - near)
         count = len(first.levels)
-        best, keeps = separating_face(now, ahead), self._numbers(before, count)
-        if keeps and max(now[k] for k in keeps) > now[best] - HELD * size:
-            best = max(keeps, key=lambda k: float(now[k]))
+        best = separating_face(now, ahead)
+        if before is not None:
+            one, other = self._numbers(before)
+            kept = max(one, count + other, key=lambda k: float(now[k]))
+            if now[kept] > now[best] - HELD * size:
+                best = kept
         if best < count:
             one, other = best, opposite_face(second, first.normals[best])
         else:
             one, other = opposite_face(first, second.normals[best - count]), best - count
         tag, number = self._first.tags[one], self._second.tags[other]
         slack = self._slack(now, one, count + other)
-        if before is not None and not self._only_turns:
+        inside = min(self._inside(*hulls, one, other) for hulls in (places, later))
+        edge = NEAR * size
+        at_edge = inside <= edge * (2.0 if before is not None and before.at_edge else 1.0)
+        slack = min(slack, 2.0 * edge - inside if at_edge else inside - edge)
+        if before is not None and (at_edge or not self._stands):
             slack = min(slack, near - apart)
         if float(first.normals[one] @ second.normals[other]) > MUTUAL:
             slack = 0.0
@@ -222,20 +232,24 @@ class FacePair:
         faces |= {tag}
         if before is not None and before.second == number:
             faces |= before.faces
-        seen = tag if self._second.has_outline else FLOOR
-        return self._found(ActiveFaces(seen, number, faces), bodies, slack)
+        return self._found(ActiveFaces(tag, number, faces, at_edge), bodies, slack)
 
-    def overlaps(self, bodies: Bodies) -> bool:
-        """True if the bodies are in one another."""
-        now, _, _ = self._placed(bodies.unknowns)
-        return float(now.max()) < -HELD * self._size
+    def is_missed(self, bodies: Bodies, active: ActiveFaces | None) -> bool:
+        """True if the bodies are in one another, and so much as their active faces are not."""
+        if active is not None and active.at_edge:
+            return False
+        places = self._placed(bodies.unknowns)
+        if float(gaps(*places).max()) >= -HELD * self._size:
+            return False
+        return active is None or self._inside(*places, *self._numbers(active)) < 0.0
 
-    def _numbers(self, meeting: ActiveFaces | None, count: int) -> list[int]:
-        """The faces of a meeting by their numbers among the gaps; `count`: those of the first."""
-        if meeting is None or meeting.first == FLOOR:
-            return []
-        other = count + self._second.tags.index(meeting.second)
-        return [self._first.tags.index(meeting.first), other]
+    def _numbers(self, active: ActiveFaces) -> tuple[int, int]:
+        """The numbers of active faces in the hulls of their bodies."""
+        return self._first.tags.index(active.first), self._second.tags.index(active.second)
+
+    def _inside(self, first: PlacedHull, second: PlacedHull, one: int, other: int) -> float:
+        """How far a face of the first body is within the outline of one of the second's, m."""
+        return depth_inside(first.corners[self._first.hull.faces[one]], second, other)
 
     @staticmethod
     def _slack(now: Array, one: int, other: int) -> float:
@@ -246,11 +260,10 @@ class FacePair:
 
     def _placed(
         self, unknowns: Callable[[int | None], Array | None]
-    ) -> tuple[Array, PlacedHull, PlacedHull]:
-        """Gaps and hulls for the owned unknowns of bodies."""
-        one = self._first.hull.placed(unknowns(self.body))
+    ) -> tuple[PlacedHull, PlacedHull]:
+        """The hulls for the owned unknowns of bodies."""
         other = self._second.hull.placed(unknowns(self.on))
-        return gaps(one, other), one, other
+        return self._first.hull.placed(unknowns(self.body)), other
 
     def _found(self, active: ActiveFaces | None, bodies: Bodies, slack: float) -> PairSearch:
         """What is active for as long as bodies move by less than half a slack, m."""
@@ -286,13 +299,11 @@ class FacePair:
                 own = self._first.over(lower, self._law, faces, shared=shared, bed=self._bed)
                 self._own[key] = own
             links.append(Link(self._own[key], self.body, self.on, stands=self._stands))
-        if isinstance(self._second, BlockSurface) or isinstance(lower, Face):
+        if active.at_edge:
             facing = active.first, active.second
             if facing not in self._outlines:
                 self._outlines[facing] = self._beside(active.first, active.second)
-            edges, crossings = self._outlines[facing]
-            links += [Link(each, self.on, self.body, stands=self._stands) for each in edges]
-            links += [Link(each, self.body, self.on, stands=self._stands) for each in crossings]
+            links += self._outlines[facing]
         return tuple(links)
 
     def _carrier(self, tag: int) -> Carrier | None:
@@ -307,50 +318,31 @@ class FacePair:
             self._lower[tag] = found
         return self._lower[tag]
 
-    def _beside(self, first: int, second: int) -> tuple[list[Interface], list[Interface]]:
-        """What the outline of a face of the second body does on a face of the first, by their tags.
+    def _beside(self, first: int, second: int) -> list[Link]:
+        """The interface of the outline of a face of the second body with a face of the first.
 
-        Interfaces of its points, and, in space, of edges that cross. Of a face that spans a hollow
-        the corners are the points.
+        By their tags; in space, also that of edges that cross. Of a face that spans a hollow the
+        corners are the points.
         """
-        upper = self._first.face(first, BESIDE_BELOW)
+        upper, lower = self._first.face(first, BESIDE_BELOW), self._carrier(second)
         if upper is None:
-            return [], []
-        lower, thickness = self._carrier(second), self._first.thickness
+            return []
+        law, bed, d = self._law, self._bed, self._first.dimension
+        area = (upper.facet / 2) ** (d - 1) * (self._first.thickness if d == 2 else 1.0)
         if isinstance(lower, Face) and self._second.is_real(second):
-            edge, *crossings = edge_interfaces(upper, lower, thickness, self._law, self._bed)
-            return [edge], crossings
-        assert isinstance(self._second, BlockSurface)
-        points, area = self._second.corners_of(second), corner_area(upper, thickness)
-        given = Interface(points, upper, self._law, bed=self._bed, corner_area=area, of_edge=True)
-        return [given], []
-
-
-def corner_area(upper: Face, thickness: float) -> float:
-    """Area that a point on the outline of a face stands for on the face above it, m2.
-
-    In the plane the thickness is that of the upper body, m.
-    """
-    d = len(upper.reference_frame)
-    return (upper.facet / 2) ** (d - 1) * (thickness if d == 2 else 1.0)
-
-
-def edge_interfaces(
-    upper: Face, lower: Face, thickness: float, law: FrictionSpec, bed: Bed | None = None
-) -> list[Interface]:
-    """The interface of a face's outline with the face on it; in space, that of both outlines, too.
-
-    The thickness is that of `corner_area`.
-    """
-    d, area = len(lower.reference_frame), corner_area(upper, thickness)
-    outline = outline_points(lower.points, lower.reference_frame, lower.rings)
-    found = [Interface(outline, upper, law, bed=bed, corner_area=area, of_edge=True)]
-    if d == 3:
-        up = lower.reference_frame[0]
-        over, under = outline_of(upper, -upper.reference_frame[0]), outline_of(lower, up)
-        crossings = Crossings(over, under, lower, upper)
-        found.append(CrossingInterface(crossings, law, bed=bed, corner_area=area))
-    return found
+            points = outline_points(lower)
+        else:
+            assert isinstance(self._second, BlockSurface)
+            points, lower = self._second.corners_of(second), None
+        outline = Interface(points, upper, law, bed=bed, corner_area=area)
+        found = [Link(outline, self.on, self.body, stands=self._stands)]
+        if d == 3 and lower is not None:
+            up = lower.reference_frame[0]
+            over, under = outline_of(upper, -upper.reference_frame[0]), outline_of(lower, up)
+            crossings = Crossings(over, under, lower, upper)
+            edges = CrossingInterface(crossings, law, bed=bed, corner_area=area)
+            found.append(Link(edges, self.body, self.on, stands=self._stands))
+        return found
 
 
 class FloorSurface:
@@ -362,7 +354,6 @@ class FloorSurface:
     def __init__(self, carrier: Carrier, number: int | None, dimension: int):
         """Take its surface and its number in the system; None where it does not move."""
         self.number, self._carrier = number, carrier
-        self.has_outline = isinstance(carrier, Face)
         points = carrier.points if isinstance(carrier, Face) else None
         self.hull = Floor(points, dimension)
 

@@ -21,7 +21,7 @@ from solver.contact.body_points import (
 )
 from solver.contact.carriers import Carrier, Face
 from solver.contact.edge_crossings import Outline, distance_inside, distance_to_edges
-from solver.contact.facets import carrier_surface, extent, outlines, shared_layer
+from solver.contact.facets import carrier_surface, extent, shared_layer
 from solver.contact.hull import Hull
 from solver.contact.interface import Interface
 from solver.contact.nitsche_points import contact_points
@@ -41,8 +41,6 @@ class BlockSurface:
         below: Numbers of the corners of the bottom farthest out, (2 or 4,), in the hull's points.
     """
 
-    has_outline = True
-
     def __init__(
         self,
         body: ElasticBody | RigidBox,
@@ -52,14 +50,13 @@ class BlockSurface:
         facet_tags: mesh.MeshTags | None = None,
         *,
         ends: Array,
-        is_box: bool = True,
     ):
         """Take the block, its faces in the undeformed body, and the tags of its facets.
 
         `ends` are the corners of the bottom farthest out there, (2 or 4, d), m.
         """
         self.body, self.number, self._contact = body, number, contact
-        self._facet_tags, self._faces, self._is_box = facet_tags, faces, is_box
+        self._facet_tags, self._faces = facet_tags, faces
         self.dimension = body.dimension
         self.thickness = body.shape.thickness if isinstance(body, RigidBox) else body.thickness
         self.tags = tuple(faces.loops)
@@ -70,9 +67,10 @@ class BlockSurface:
             points = nodes_at(body, faces.corners)
         else:
             points = RigidPoints(body, faces.corners)
-        self.hull = Hull(points, [faces.loops[tag] for tag in self.tags])
+        loops = [faces.loops[tag] for tag in self.tags]
+        self.hull = Hull(points, loops, is_whole=faces.is_whole)
         upright = self.hull.placed(np.zeros(body.size)).normals
-        upright = np.round(upright, 0 if is_box else 12) + 0.0
+        upright = np.round(upright, 12) + 0.0
         upright /= np.linalg.norm(upright, axis=1)[:, None]
         self._frames = {tag: face_frame(upright[k]) for k, tag in enumerate(self.tags)}
 
@@ -97,28 +95,14 @@ class BlockSurface:
         if not self.is_real(tag):
             return None
         frame, faces = self._frames[tag], self._faces
-        if isinstance(self.body, ElasticBody):
-            assert self._facet_tags is not None
-            surface = carrier_surface(self.body.space, self._facet_tags, *faces.facets[tag])
-            nodes = NodePoints(self.body, surface.layer, surface.positions)
-            rings: tuple[Array, ...] | None = None
-            if not faces.is_whole:
-                rings = outlines(surface)
-            elif not self._is_box and self.dimension == 3:
-                rings = (faces.ring(tag),)
-            cell, degree = surface.cell, surface.degree
-            return Face(nodes, surface.nodes, frame, cell, degree, margin, rings)
-        if not self._is_box:
+        if isinstance(self.body, RigidBox):
             return self._rigid_face(faces.patches[tag], frame, margin)
-        corners = faces.ring(tag)
-        # In the order of basix: the first tangent runs fastest.
-        order = np.lexsort(np.round((corners @ frame[1:].T) / np.ptp(faces.corners), 9).T)
-        points = RigidPoints(self.body, corners[order])
-        cell = "interval" if self.dimension == 2 else "quadrilateral"
-        return Face(points, np.arange(len(corners))[None], frame, cell, 1, margin)
+        assert self._facet_tags is not None
+        surface = carrier_surface(self.body.space, self._facet_tags, *faces.facets[tag])
+        return Face.of_mesh(self.body, surface, frame, margin)
 
     def _rigid_face(self, patches: tuple[Array, ...], frame: Array, margin: float) -> Face:
-        """Where a rigid body that is no box has a face: fans of triangles, in the plane sides."""
+        """Where a rigid body has a face: sides, in space triangles, of a box a rectangle."""
         assert isinstance(self.body, RigidBox)
         if self.dimension == 2:
             sides = [ring[np.argsort(ring @ frame[1])] for ring in patches]
@@ -126,11 +110,14 @@ class BlockSurface:
             points = RigidPoints(self.body, np.concatenate(sides))
             facets = np.arange(2 * len(sides)).reshape(-1, 2)
             return Face(points, facets, frame, "interval", 1, margin, patches)
+        points = RigidPoints(self.body, np.concatenate(patches))
+        if self.body.shape.solid is None:
+            corners = np.array([[0, 1, 3, 2]])  # as basix counts them
+            return Face(points, corners, frame, "quadrilateral", 1, margin, patches)
         fans, first = list[list[int]](), 0
         for ring in patches:
             fans += [[first, first + k, first + k + 1] for k in range(1, len(ring) - 1)]
             first += len(ring)
-        points = RigidPoints(self.body, np.concatenate(patches))
         return Face(points, np.array(fans), frame, "triangle", 1, margin, patches)
 
     def corners_of(self, tag: int) -> FacePoints:
@@ -172,7 +159,7 @@ class BlockSurface:
         facet = np.inf
         if isinstance(carrier, Face) and not isinstance(carrier.points, FixedPoints):
             facet = carrier.facet  # of what deforms
-        if self._is_box:
+        if self.body.shape.solid is None:
             return rigid_points(self.body, facet)
         return points_of_shape(self.body, self._faces, facet)
 
@@ -250,29 +237,15 @@ def _grid_on(ring: Array, facet: float) -> Array:
     return np.column_stack([places[inside], np.full(inside.sum(), ring[:, -1].mean())])
 
 
-def outline_points(
-    points: FacePoints, frame: Array, rings: tuple[Array, ...] | None = None
-) -> FacePoints:
-    """Points of a face that lie on its outline: of what cannot bend, its corners.
-
-    Args:
-        points: Of the face.
-        frame: Rows normal and tangents of the undeformed face.
-        rings: Corners around its pieces, (n, d), m; None: it is one, and a rectangle along the
-            frame.
-    """
-    if isinstance(points, RigidPoints):
-        return points
-    along = points.reference @ frame[1:].T
-    if rings is not None:
-        near = 1e-9 * np.ptp(along, axis=0).max()
-        off = np.min([distance_to_edges(along, ring @ frame[1:].T) for ring in rings], axis=0)
-        return points.some(np.flatnonzero(off < near))
-    near = 1e-9 * np.ptp(along, axis=0)
-    low, high = along.min(axis=0) + near, along.max(axis=0) - near
-    extreme = (along < low) | (along > high)
-    is_outer = np.all if isinstance(points, FixedPoints) else np.any
-    return points.some(np.flatnonzero(is_outer(extreme, axis=1)))
+def outline_points(face: Face) -> FacePoints:
+    """Points of a face that lie on its outline: of what cannot bend, its corners."""
+    if not isinstance(face.points, NodePoints):
+        return face.points
+    tangents = face.reference_frame[1:].T
+    along = face.points.reference @ tangents
+    near = 1e-9 * np.ptp(along, axis=0).max()
+    off = np.min([distance_to_edges(along, ring @ tangents) for ring in face.rings], axis=0)
+    return face.points.some(np.flatnonzero(off < near))
 
 
 def outline_of(face: Face, up: Array) -> Outline:
@@ -280,5 +253,4 @@ def outline_of(face: Face, up: Array) -> Outline:
     frame = face.reference_frame
     if up @ frame[0] < 0:
         frame = np.array([-frame[0], frame[1], -frame[2]])
-    points = outline_points(face.points, frame, face.rings)
-    return Outline(points, face.degree, frame, face.rings)
+    return Outline(outline_points(face), face.degree, frame, face.rings)

@@ -118,9 +118,7 @@ class BlockObserver:
     def _order_reference(self) -> None:
         """Order the reference positions of its points; nan where one is not known yet."""
         unknown = np.full(self._interface.dimension - 1, np.nan)
-        self._reference = np.array(
-            [self._known.get(key, unknown) for key in self._interface.keys()]
-        )
+        self._reference = np.array([self._known.get(key, unknown) for key in self._interface.keys])
 
     def _corner_positions(self, state: State) -> Array:
         """Positions of the bottom corners."""
@@ -132,7 +130,6 @@ class BlockObserver:
         """Fill in the columns of the block, all of `row`; memories of the state are of `links`."""
         self._take(links)
         memory = state.contacts[self._number]
-        others = [number for number in self._others if not state.contacts[number].clear]
         if links[self._number].interface is not self._interface:
             self._set_interface()
             self._order_reference()
@@ -150,12 +147,12 @@ class BlockObserver:
         corners = self._corner_positions(state)
         height = corners[:, -1] if lost else carrier.kinematics(corners, place, frame).place[:, 0]
         row[self._gaps] = height
-        numbers = self._number, *others
+        numbers = self._number, *self._others
         row[self._at.penetration_m] = max(self._penetration(state, n) for n in numbers)
         row[self._forces], self._frame = np.add.reduce(memory.force), frame
-        if others or lost or carrier is not self._interface.carrier:
+        if self._others or lost or carrier is not self._interface.carrier:
             frame = level_frame(len(self._forces)) if lost else frame
-            row[self._forces], self._frame = self._force(state, others, frame), frame
+            row[self._forces], self._frame = self._force(state, frame), frame
 
     def write_feet(self, state: State, rows: Array) -> None:
         """Fill in the forces on the feet, (feet, d), in the frame of those on the block."""
@@ -167,8 +164,6 @@ class BlockObserver:
         centre = self._member.body.centre
         for number in (self._number, *self._others):
             link, memory = self._links[number], state.contacts[number]
-            if memory.clear:
-                continue
             place = memory.surface.position
             if memory.kinematics.own_projection is not None:
                 place = memory.kinematics.own_projection.carried(place)
@@ -235,7 +230,7 @@ class BlockObserver:
         inside = self._links[number].interface.inside(memory)
         return meshed.penetration(memory.kinematics.place, inside)
 
-    def _force(self, state: State, others: Sequence[int], frame: Array) -> Array:
+    def _force(self, state: State, frame: Array) -> Array:
         """Normal and tangential force on the block in a frame, N.
 
         By its own interface and those others that bear it. Where it has lost its carrier the
@@ -245,7 +240,7 @@ class BlockObserver:
         force, given = np.add.reduce(memory.force), memory.kinematics.frame
         if given is not frame:
             force = frame @ (force @ given)
-        for number in others:
+        for number in self._others:
             link = self._links[number]
             sign = 1.0 if link.body == self._member.number else -1.0
             if not (link.stands or self._bears(link, state.contacts[number], sign)):
@@ -275,7 +270,7 @@ class BlockObserver:
         place = memory.kinematics.place
         lowest = touching(*self._points(memory))
         reference = along + (place[lowest, 1:] - along[lowest]).mean(axis=0)
-        keys = interface.keys()
+        keys = interface.keys
         if isinstance(points, NitschePoints):
             same = np.flatnonzero(points.points.tag == points.points.tag[lowest[0]])
         else:  # all corners of a rigid body
@@ -289,7 +284,7 @@ class BlockObserver:
         That is the position of a point at the start; for points of other faces it is the one with
         which the slip does not jump when they first touch.
         """
-        place, keys = memory.kinematics.place, self._interface.keys()
+        place, keys = memory.kinematics.place, self._interface.keys
         chosen = touching(*self._points(memory))
         known = [place[q, 1:] - self._known[keys[q]] for q in chosen if keys[q] in self._known]
         slip = sum(known) / len(known) if known else self._slip

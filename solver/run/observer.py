@@ -100,11 +100,7 @@ class Observer:
         """
         rows, row, links = self._rows, self._row, self._stepper.links
         row[rows.run.time_s] = state.time
-        closed = sum(
-            np.count_nonzero(memory.force[:, 0] > 0)
-            for memory in state.contacts
-            if not memory.clear
-        )
+        closed = sum(np.count_nonzero(memory.force[:, 0] > 0) for memory in state.contacts)
         base = self._stepper.base(state.time)
         rows.write_run(row, step, exchange.iterations, closed, base)
         for block, part in zip(self._blocks, self._parts, strict=True):

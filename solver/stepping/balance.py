@@ -15,7 +15,7 @@ from solver.bodies.body import Body
 from solver.bodies.rigid_body import DenseBody
 from solver.contact.body_points import SurfaceState
 from solver.contact.kinematics import ContactIncrement, ContactKinematics, ForceWeights, Observed
-from solver.contact.memory import NOTHING_LOST, Dissipation, Memory
+from solver.contact.memory import Dissipation, Memory
 from solver.contact.pairs import Link
 from solver.law.friction import Bounds
 from solver.parallel import global_sums
@@ -160,7 +160,6 @@ class Contact(NamedTuple):
         force: Point forces f, (points, d), N.
         bounds: Bounds of friction at all points.
         own: What the force at a point moves it by, (points,), m/N.
-        clear: As in its memory: distance that it may move unobserved, m.
     """
 
     surface: SurfaceState
@@ -168,16 +167,11 @@ class Contact(NamedTuple):
     force: Array
     bounds: Bounds
     own: Array
-    clear: float = 0.0
 
     @property
     def seen(self) -> Observed:
         """Its points, and where they are."""
         return self.surface, self.kinematics
-
-    def was_skipped(self, before: Memory) -> bool:
-        """True if the step did not observe it: it stays as it was remembered before."""
-        return self.surface is before.surface
 
 
 class StepSolution(NamedTuple):
@@ -317,8 +311,6 @@ def inertia_force(
     p -= impulse * step.load
     weights = ForceWeights.of(contact=1.0, traction=0.0, sign=-impulse)
     for link, memory, c in zip(links, step.start.contacts, contacts, strict=True):
-        if c.was_skipped(memory):
-            continue
         increment = ContactIncrement(memory.seen, c.seen, c.force)
         link.interface.add_forces(increment, system.parts(p, link), weights)
     if step.attached is not None and on_places is not None:
@@ -332,14 +324,10 @@ def remembered(
     """Memories of all interfaces after a step of length dt (s), and what it lost in all of them."""
     memories, lost = [], []
     for link, before, c in zip(links, old, contacts, strict=True):
-        if c.was_skipped(before):
-            memories.append(before._replace(clear=c.clear))
-            continue
-        at_end = c.surface, c.kinematics, c.force, c.bounds, c.own
-        after = link.interface.remember(before, *at_end, dt)
-        memories.append(after[0]._replace(clear=c.clear))
+        after = link.interface.remember(before, *c, dt)
+        memories.append(after[0])
         lost.append(after[1])
-    return memories, Dissipation(*map(sum, zip(NOTHING_LOST, *lost, strict=True)))
+    return memories, Dissipation(*map(sum, zip(*lost, strict=True)))
 
 
 def static_weights(bodies: Sequence[Body], steady: float) -> list[TangentWeights]:

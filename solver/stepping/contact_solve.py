@@ -19,19 +19,13 @@ import numpy as np
 
 from solver.bodies.memory import kept_limit
 from solver.bodies.rigid_body import DenseBody
-from solver.contact.kinematics import ContactIncrement, ContactKinematics, ForceWeights
+from solver.contact.kinematics import ContactIncrement, ContactKinematics, ForceWeights, Observed
 from solver.contact.memory import Memory
 from solver.contact.pairs import Link
 from solver.law.local_problem import LocalProblem, NoContactSolution
 from solver.parallel import any_rank, global_sums
 from solver.scheme.generalized_alpha import TangentWeights
-from solver.stepping.active_set import (
-    ActiveSet,
-    CarrierEdges,
-    ContactMargin,
-    EdgeWatch,
-    points_beyond,
-)
+from solver.stepping.active_set import ContactMargin, EdgeWatch, points_beyond
 from solver.stepping.attached import Attached, AttachedForces
 from solver.stepping.balance import Balance, Contact, StepSolution
 from solver.stepping.delassus import (
@@ -45,7 +39,7 @@ from solver.stepping.delassus import (
 from solver.stepping.link_correction import LinkCorrection
 from solver.stepping.nonlinear import NonlinearSolver
 from solver.stepping.point_table import PointTable, copied, joined
-from solver.stepping.response import CandidateSet, repeat_compliances, saved_compliances
+from solver.stepping.response import CandidateSet, Kinematics, repeat_compliances, saved_compliances
 from solver.stepping.step_contact import ContactModel, OthersNear, StepContact
 from solver.stepping.system import System, response_of
 from solver.types import Array, Indices, Mask
@@ -68,18 +62,16 @@ class StepFailed(Exception):
     """The nonlinear solve of a step did not converge, or its solution is none of the method's."""
 
 
-class ActivePair(NamedTuple):
-    """An interface that enters residuals: what stays the same from one to the next.
+class InterfaceInStep(NamedTuple):
+    """What of an interface stays the same from one residual of a step to the next.
 
     Attributes:
-        number: Its number.
         link: The interface, and its bodies.
         start: Its memory that the step starts from.
         force: Its part of the point forces, which corrections write to, (points, d), N.
         weights: How they count in a residual.
     """
 
-    number: int
     link: Link
     start: Memory
     force: Array
@@ -104,12 +96,9 @@ class StepProblem:
         self._points, self._system = model.points, model.system
         self._static, self._weight = balance.static, balance.contact_weight
         self.contact = StepContact(model, balance)
-        self._edges = CarrierEdges(model.points, balance.contact)
-        self._watch = EdgeWatch()
+        self._edges = EdgeWatch(model.points, balance.contact)
         self._beyond: Mask | None = None
-        self.active_set = ActiveSet(model.system, model.points, balance, self._edges)
-        self._remembered = [memory.seen for memory in balance.contact]
-        self._active = self._pairs()
+        self._interfaces = self._in_step()
         # Of each body its response, where its unknowns are, and its rotation at t_n.
         starts = model.system.slices, balance.rotations
         self._bodies = tuple(zip(tangents.responses, *starts, strict=True))
@@ -117,8 +106,9 @@ class StepProblem:
         if operator is not None and model.points.turning.take(operator.contacts).any():
             tangents.operator = None
         # At the iterate: its displacement, the state of each interface, and kinematics.
-        self._u, self._seen = guess, self._remembered
-        self._kinematics: list[ContactKinematics | None] = []
+        self._u = guess
+        self._seen: list[Observed] = []
+        self._kinematics: Kinematics = []
         self._configurations: Sequence[Any] = ()
         self._corrections = 0
         self.held: Array = np.empty(0)
@@ -142,14 +132,13 @@ class StepProblem:
     def residual(self, u: Array) -> Array:
         """Out-of-balance force at u with the current point forces, N."""
         residual, self.inertia = self._balance.smooth_residual(self._system, u)
-        seen, parts = self._remembered.copy(), self._system.parts
-        kinematics: list[ContactKinematics | None] = [*[None] * len(seen), *self._of_places]
-        for number, link, start, force, weights in self._active:
-            seen[number] = found = link.interface.observe(*parts(u, link), start)
+        seen, parts = [], self._system.parts
+        for link, start, force, weights in self._interfaces:
+            found = link.interface.observe(*parts(u, link), start)
             # In equilibrium what is seen counts at both ends.
             increment = ContactIncrement(found if self._static else start.seen, found, force)
             link.interface.add_forces(increment, parts(residual, link), weights)
-            kinematics[number] = found[1]
+            seen.append(found)
         if self._attached is not None:
             self.on_places = on_places = self._attached.at(u)
             self._attached.add_forces(residual, on_places, -self._weight)
@@ -157,19 +146,18 @@ class StepProblem:
         if len(fixed):
             self.held = residual.take(fixed)
             residual.put(fixed, 0.0)
-        self._u, self._seen, self._kinematics = u, seen, kinematics
+        self._u, self._seen = u, seen
+        self._kinematics = [*(kinematics for _, kinematics in seen), *self._of_places]
         self._residual = residual
         return residual
 
-    def _pairs(self) -> list[ActivePair]:
-        """The interfaces that enter residuals."""
+    def _in_step(self) -> list[InterfaceInStep]:
+        """The interfaces, and what stays the same of them."""
         balance, points, found = self._balance, self._points, []
-        for number, inactive in enumerate(self.active_set.inactive):
-            if not inactive:
-                link, force = points.links[number], self.contact.force[points.own[number]]
-                tangent = balance.weights[link.body or 0]
-                weights = ForceWeights.of(tangent.contact, tangent.interface, sign=-1.0)
-                found.append(ActivePair(number, link, balance.contact[number], force, weights))
+        for link, start, own in zip(points.links, balance.contact, points.own, strict=True):
+            tangent = balance.weights[link.body or 0]
+            weights = ForceWeights.of(tangent.contact, tangent.interface, sign=-1.0)
+            found.append(InterfaceInStep(link, start, self.contact.force[own], weights))
         return found
 
     def acceleration(self) -> float:
@@ -197,7 +185,7 @@ class StepProblem:
         if self._corrections <= PLACED_CORRECTIONS:
             u = self._u
             self._configurations = [response.at(u[own], was) for response, own, was in self._bodies]
-        y, self._beyond = self._positions(), self._points_beyond()
+        y, self._beyond = self._positions(), self._edges.beyond(self._kinematics)
         if self._places:
             y = np.concatenate([y, np.zeros((self._places, y.shape[1]))])
         free = []
@@ -252,19 +240,6 @@ class StepProblem:
             y[:, 0] -= self.contact.rest
         return y
 
-    def _points_beyond(self) -> Mask | None:
-        """Points beyond an edge at the iterate, with all of interfaces that sleep; None: none."""
-        points, beyond = self._points, self.active_set.points
-        for number in self._edges.numbers:
-            kinematics, off = self._kinematics[number], None
-            if kinematics is not None:
-                off = self._edges.beyond(number, kinematics)
-            if off is not None and np.count_nonzero(off):
-                none = np.zeros(points.count, dtype=np.bool_)
-                beyond = none if beyond is None else beyond.copy()
-                beyond[points.own[number]] = off
-        return self._watch.settled(beyond)
-
     def _settled(
         self, y: Array, links: LinkCorrection | None = None
     ) -> tuple[Delassus, Array | None]:
@@ -288,14 +263,12 @@ class StepProblem:
     def _operator(self) -> Delassus:
         """The operator made last, with all bodies as they are at the iterate.
 
-        That of no contact point before the first one, and where points have become inactive.
+        That of no contact point before the first one.
         """
-        operator, inactive = self._tangents.operator, self.active_set.points
+        operator = self._tangents.operator
         if operator is not None and operator.fits(self._tangents.responses, self._configurations):
             return operator
         near = NO_POINTS if operator is None else operator.contacts
-        if inactive is not None and inactive[near].any():
-            near = NO_POINTS
         if not (len(near) or self._places):
             return of_no_points(self._system.dimension)
         operator = self._tangents.operator = self._delassus(near)
@@ -319,11 +292,8 @@ class StepProblem:
             softening=self.contact.softening,
         )
 
-    def continues(self, u: Array) -> bool:
-        """True if u is no solution: an interface becomes active, points sink in or break loose."""
-        if self.active_set.activate(u):
-            self._active = self._pairs()
-            return True
+    def continues(self) -> bool:
+        """True if u is no solution: points sink in or break loose."""
         y = self._positions()
         self._deactivate(y)
         return self.contact.sinks_in(y) or self.contact.breaks_loose(y, self._own_compliance())
@@ -348,13 +318,10 @@ class StepProblem:
 
     def contacts(self) -> list[Contact]:
         """Every interface at the end of the step, after `continues`."""
-        found, active_set, compliance = [], self.active_set, self._own_compliance()
-        for number, own in enumerate(self._points.own):
-            inactive = active_set.inactive[number]
-            surface, kinematics = active_set.seen(number) if inactive else self._seen[number]
+        found, compliance = [], self._own_compliance()
+        for (surface, kinematics), own in zip(self._seen, self._points.own, strict=True):
             force, bounds = self.contact.force[own], self.contact.friction.bounds.of(own)
-            clear = active_set.clear(number)
-            found.append(Contact(surface, kinematics, force, bounds, compliance[own], clear))
+            found.append(Contact(surface, kinematics, force, bounds, compliance[own]))
         return found
 
 
@@ -433,13 +400,11 @@ class ContactSolve:
         if not outcome.converged and self._restiffens(balance):
             return self.solve(balance, guess)
         iterations = outcome.iterations
-        while outcome.converged and problem.continues(u):
+        while outcome.converged and problem.continues():
             u, outcome = self._solver.solve(problem, u, tolerance)
             iterations += outcome.iterations
         if not outcome.converged:
             raise StepFailed(f"SNES: {outcome.reason}, residual {outcome.residual:.2e} N")
-        if problem.active_set.overran:
-            raise StepFailed("bodies move too far in one step")
         return StepSolution(
             u=u,
             contacts=problem.contacts(),
@@ -470,7 +435,7 @@ class ContactSolve:
         memories, points = balance.contact, self._model.points
         may_touch = copied([memory.may_touch for memory in memories])
         for own, memory, carrier in zip(points.own, memories, points.carriers, strict=True):
-            beyond = points_beyond(carrier, memory)
+            beyond = points_beyond(carrier, memory.kinematics)
             if beyond is not None:
                 may_touch[own] &= ~beyond
         gaps = joined([memory.kinematics.place[:, 0] for memory in memories])

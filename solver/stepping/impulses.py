@@ -188,9 +188,6 @@ class VelocityImpulses:
         system, parts = self.system, []
         for link, contact in zip(self.links, contacts, strict=True):
             interface, kinematics = link.interface, contact.kinematics
-            if contact.clear:
-                parts.append(np.zeros_like(contact.force))
-                continue
             velocity = interface.points.velocity(
                 system.part(u, link.body), system.part(v, link.body)
             )

@@ -76,16 +76,16 @@ class PairWatch:
         self._system = system
         d, still = system.dimension, len(system.bodies)
         self._ends = np.array(
-            [
-                (pair.body, pair.on if pair.turns and pair.on is not None else still)
-                for pair in pairs
-            ]
+            [(pair.body, still if pair.on is None else pair.on) for pair in pairs]
         )
         # Of each body its displacement, rotation, velocity and spin; the last one stands still.
         sizes = d, d * d, d, 1 if d == 2 else 3
         self._placed = d + d * d
         self._now: Array = np.zeros((still + 1, sum(sizes)))
         self._looked = np.zeros((len(pairs), 2, sum(sizes)))
+        self._change: Array = np.zeros(
+            (4, len(pairs))
+        )  # of both bodies of each: way, turn, speed, spin
         self._reach, self._slack = np.zeros((2, len(pairs)))
         self._sums = np.tile(np.repeat(np.eye(4), sizes, axis=0), (2, 1))
         self._state: State | None = None
@@ -97,9 +97,10 @@ class PairWatch:
                 moved, velocity, spin, rotation = state.rigid_motion(self._system, body)
                 own = np.concatenate([moved, rotation.ravel(), velocity, spin])
                 self._now[body, : len(own)] = own  # what cannot turn has no spin
+            change = np.abs(self._now.take(self._ends, axis=0) - self._looked)
+            self._change = (change.reshape(len(change), -1) @ self._sums).T
             self._state = state
-        change = np.abs(self._now.take(self._ends, axis=0) - self._looked)
-        moved, turned, speed, spin = (change.reshape(len(change), -1) @ self._sums).T
+        moved, turned, speed, spin = self._change
         turn = turned + step * spin
         way = moved + step * speed + self._reach * turn
         return np.asarray((way >= self._slack) | (turn >= TURN))
@@ -107,6 +108,7 @@ class PairWatch:
     def looked(self, number: int, found: PairSearch) -> None:
         """Watch a pair, by its number, from where it has been looked at."""
         self._looked[number, :, : self._placed] = self._now[self._ends[number], : self._placed]
+        self._change[:2, number] = 0.0
         self._reach[number], self._slack[number] = found.reach, found.slack
 
 
@@ -119,26 +121,19 @@ class Interfaces:
         self._watch = PairWatch(system, self._pairs)
         self._found: list[PairSearch | None] = [None] * len(self._pairs)  # when looked at last
         self._last: Active | None = None
-        self._links: tuple[tuple[Link, ...], ...] = ()  # of what was active last, pair by pair
-        self._flat: tuple[Link, ...] = ()
+        self._links: tuple[Link, ...] = ()  # of what was active last
 
     def links(self, active: Active) -> tuple[Link, ...]:
         """The active interfaces, pair after pair; collective."""
-        self._by_pair(active)
-        return self._flat
-
-    def _by_pair(self, active: Active) -> tuple[tuple[Link, ...], ...]:
-        """The active interfaces of each pair; collective."""
         if self._last is active or (self._last is not None and self._last == active):
             return self._links
-        found = []
+        found: list[Link] = []
         owned: dict[int, frozenset[int]] = {}
         for pair, own in zip(self._pairs, active, strict=True):
             faces, taken = pair.faces(own), owned.get(pair.body, frozenset())
-            found.append(pair.links(own, faces & taken))
+            found += pair.links(own, faces & taken)
             owned[pair.body] = taken | faces
         self._last, self._links = active, tuple(found)
-        self._flat = tuple(link for links in found for link in links)
         return self._links
 
     def active(self, state: State, step: float, before: Active | None) -> Active:
@@ -159,14 +154,11 @@ class Interfaces:
 
         What strikes them in a step may send them farther than their velocities told.
         """
-        idle = [number for number, own in enumerate(state.active) if own is None]
-        if not idle:
-            return False
-        bodies, may_change = (
-            BodiesInStep(self._system, state, 0.0),
-            self._watch.may_change(state, 0.0),
+        bodies = BodiesInStep(self._system, state, 0.0)
+        return any(
+            self._pairs[number].is_missed(bodies, state.active[number])
+            for number in self._watch.may_change(state, 0.0).nonzero()[0]
         )
-        return any(may_change[number] and self._pairs[number].overlaps(bodies) for number in idle)
 
     def fresh(self, active: Active, state: State) -> list[Memory]:
         """Memories without contact forces in a state."""
@@ -196,28 +188,19 @@ class Interfaces:
             exchanged = before - self.energy(active, contacts)
         links, part = self.links(active), self._system.part
         ahead = state.u
-        if any(
-            link.interface.carrier.turns and not memory.clear
-            for link, memory in zip(links, contacts, strict=True)
-        ):
+        if any(link.interface.carrier.turns for link in links):
             ahead = state.u + 0.5 * dt * state.v
         bodies = BodiesInStep(self._system, state, dt)
-        found = []
+        found: list[Memory] = []
         for number, (link, memory) in enumerate(zip(links, contacts, strict=True)):
-            if memory.clear:
-                found.append(memory)
-                continue
             if isinstance(link.interface, CrossingInterface):
                 u, carrier_u = part(ahead, link.body), part(ahead, link.carrier)
                 prepared = link.interface.prepare(memory, u, carrier_u)
                 exchanged += link.interface.energy(memory) - link.interface.energy(prepared)
-                if not found[-1].clear:  # the outline is the interface before
-                    outline = links[number - 1].interface
-                    before = outline.energy(found[-1])
-                    prepared, found[-1] = link.interface.without_corners(
-                        prepared, outline, found[-1]
-                    )
-                    exchanged += before - outline.energy(found[-1])
+                outline = links[number - 1].interface
+                before = outline.energy(found[-1])
+                prepared, found[-1] = link.interface.without_corners(prepared, outline, found[-1])
+                exchanged += before - outline.energy(found[-1])
                 found.append(prepared)
                 continue
             carrier = None
@@ -231,27 +214,20 @@ class Interfaces:
 
     def _joined(self, state: State, active: Active) -> list[Memory]:
         """Memories of the interfaces when more or others are active than in a state."""
-        known, memories = {}, iter(state.contacts)
-        for number, links in enumerate(self._by_pair(state.active)):
-            for role, link in enumerate(links):
-                known[number, role] = link, next(memories)
+        known = dict(zip(self.links(state.active), state.contacts, strict=True))
         found = []
-        for number, links in enumerate(self._by_pair(active)):
-            for role, link in enumerate(links):
-                if (number, role) not in known:
-                    found.append(self._fresh(link, state))
-                    continue
-                old, memory = known[number, role]
-                if old.interface is not link.interface:
-                    fresh = self._fresh(link, state)
+        for link in self.links(active):
+            memory = known.get(link)
+            if memory is None:
+                memory = self._fresh(link, state)
+                for old, before in known.items():
                     if follows(old, link):
-                        fresh = carry_over(memory, old.interface, link.interface, fresh)
-                    memory = fresh
-                found.append(memory)
+                        memory = carry_over(before, old.interface, link.interface, memory)
+            found.append(memory)
         return found
 
 
 def follows(old: Link, new: Link) -> bool:
     """True if points of one interface are points of another one, over the same face."""
-    same = old.interface.carrier is new.interface.carrier
-    return same and old.interface.corners is not None
+    same = old.body == new.body and old.interface.carrier is new.interface.carrier
+    return same and old.interface.corners is not None and new.interface.corners is not None

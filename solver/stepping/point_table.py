@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.contact.bed import Yielding
-from solver.contact.kinematics import ContactKinematics, Observed
+from solver.contact.kinematics import ContactKinematics
 from solver.contact.memory import Memory
 from solver.contact.pairs import Link
 from solver.law.friction import Bounds, new_pasts
@@ -79,38 +79,30 @@ class PointTable:
             interfaces = [link.interface for link in links]
             each = [interface.bounds(new_pasts(interface.count)) for interface in interfaces]
             self.bounds = joined_bounds(each)
-        self._of_interfaces: dict[tuple[bool, ...], Mask] = {}
-        self.turning = self.of_interfaces(tuple(carrier.turns for carrier in self.carriers))
+        counts = [link.interface.count for link in links]
+        self.turning: Mask = np.repeat([carrier.turns for carrier in self.carriers], counts)
         self._frames_of: tuple[bytes, Array] | None = None
         """Frames that were given last, and for which points."""
         self.round_off = GAP_ROUND_OFF * self.size
 
-    def of_interfaces(self, chosen: tuple[bool, ...]) -> Mask:
-        """The points of some interfaces, (points,); to be read only."""
-        if chosen not in self._of_interfaces:
-            counts = [link.interface.count for link in self.links]
-            self._of_interfaces[chosen] = np.repeat(chosen, counts)
-        return self._of_interfaces[chosen]
-
-    def frames_at(self, chosen: Indices, seen: Sequence[ContactKinematics | None]) -> Array:
+    def frames_at(self, chosen: Indices, seen: Sequence[ContactKinematics]) -> Array:
         """Frames at some of the points, whose numbers rise, (m, d, d); to be read only.
 
-        By the kinematics of all interfaces; None for one that has none of the points.
+        By the kinematics of all interfaces.
         """
         key, kept = chosen.tobytes(), self._frames_of
         if kept is None or kept[0] != key or self.turning.take(chosen).any():
             kept = self._frames_of = key, self._new_frames(chosen, seen)
         return kept[1]
 
-    def _new_frames(self, chosen: Indices, seen: Sequence[ContactKinematics | None]) -> Array:
+    def _new_frames(self, chosen: Indices, seen: Sequence[ContactKinematics]) -> Array:
         """Frames at some of the points, put together."""
         d = self._system.dimension
         found = np.empty((len(chosen), d, d))
         for kinematics, part in zip(seen, self.own, strict=True):
             first, last = chosen.searchsorted((part.start, part.stop))
-            if kinematics is not None:
-                own, frame = chosen[first:last] - part.start, kinematics.frame
-                found[first:last] = frame if frame.ndim == 2 else frame[own]
+            own, frame = chosen[first:last] - part.start, kinematics.frame
+            found[first:last] = frame if frame.ndim == 2 else frame[own]
         return found
 
     def beds(self, memories: Sequence[Memory], step: float) -> Yielding | None:
@@ -127,7 +119,7 @@ class PointTable:
     def rest(self, memories: Sequence[Memory]) -> Array | None:
         """Gaps from which points are not pushed out in a step, (points,), m; None: all are 0."""
         pairs = zip(self.links, memories, strict=True)
-        each = [None if memory.clear else link.interface.rest(memory) for link, memory in pairs]
+        each = [link.interface.rest(memory) for link, memory in pairs]
         if all(rest is None for rest in each):
             return None
         rests = np.zeros(self.count)
@@ -135,8 +127,3 @@ class PointTable:
             if rest is not None:
                 rests[own] = rest
         return rests
-
-    def observe(self, number: int, u: Array, since: Memory) -> Observed:
-        """An interface at a displacement of all owned unknowns, in a step since a memory."""
-        link = self.links[number]
-        return link.interface.observe(*self._system.parts(u, link), since)

@@ -37,7 +37,7 @@ def pushes(
     for link, before, after in zip(links, start, contacts, strict=True):
         interface, own = link.interface, slice(first, first + link.interface.count)
         first = own.stop
-        if after.clear or (link.stands and not homes):
+        if link.stands and not homes:
             continue
         kinematics, force = after.kinematics, dt * after.force
         vectors = interface.carrier.vectors(before.kinematics, kinematics, force)

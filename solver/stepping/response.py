@@ -37,8 +37,8 @@ part of the correction of an iteration, not of the residual, and neglects strain
 Configuration = TypeVar("Configuration")
 Coupling = TypeVar("Coupling")
 
-Kinematics = Sequence[ContactKinematics | None]
-"""Kinematics of all interfaces, and of the places of links; None for what a step leaves out."""
+Kinematics = Sequence[ContactKinematics]
+"""Kinematics of all interfaces, and of the places of links."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,8 +74,6 @@ class BodyRole:
     def spots(self, kinematics: Kinematics) -> Interpolation | None:
         """Interpolation from the body's own points to the contact points; None: the same points."""
         own = kinematics[self.interface]
-        if own is None:
-            return None
         return own.projection if self.carries else own.own_projection
 
 
@@ -253,10 +251,8 @@ class DenseResponse:
     ) -> None:
         """Add what a motion does to the positions of all points to `moved`."""
         for number, side in enumerate(self.sides):
-            seen = kinematics[side.interface]
-            if seen is not None:
-                rows = self._at(at, number, kinematics)
-                moved[side.own] += in_frames(rows @ motion, seen.frame)
+            rows = self._at(at, number, kinematics)
+            moved[side.own] += in_frames(rows @ motion, kinematics[side.interface].frame)
 
     def couple(self, at: DenseConfiguration, near: CandidateSet, weight: float, W: Array) -> Array:
         """Add the compliance among near points; returns their rows, (m, d, unknowns)."""
@@ -397,8 +393,6 @@ class ElasticResponse:
         d = self.body.dimension
         for side, port, rows in zip(self.sides, self.compliance.ports, self._rows, strict=True):
             seen = kinematics[side.interface]
-            if seen is None:
-                continue
             nodes = port.layer.reached(motion.reshape(-1, d)).reshape(-1)
             points: Array = np.empty((side.points.count, d))
             meshed.read_points(*rows, nodes, points)

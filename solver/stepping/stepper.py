@@ -105,7 +105,10 @@ class Stepper:
         """Make these interfaces the active ones; tangents change with them."""
         if active is self._active or active == self._active:
             return
-        self._active, self.links = active, self._interfaces.links(active)
+        self._active, links = active, self._interfaces.links(active)
+        if links == self.links:
+            return
+        self.links = links
         self._rigid = [self.system.rigid(link) for link in self.links]
         for number, body in enumerate(self.system.bodies):
             own = tuple(k for k in self.links if k.body == number and k.interface.theta)
@@ -348,7 +351,7 @@ class Stepper:
         )
         if self._interfaces.overlap(new):
             self.join(state.active)
-            raise StepFailed("bodies that were far apart have come to overlap")
+            raise StepFailed("bodies move too far in one step")
         averaged = numerical_loss(sums, self.links, old=old, new=contacts, skew=step.scheme.skew)
         exchange = Exchange(
             input=pulled.work - float(sums.moved @ self.mean_base(state.time, dt)),

@@ -26,7 +26,6 @@ from benchmarks.verification.load_steps import Tractions, contact_tractions, shi
 from geometry.mesh import move
 from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody, Support
-from solver.contact.body_points import NodePoints
 from solver.contact.carriers import Face
 from solver.contact.facets import carrier_surface
 from solver.scene import FrictionSpec
@@ -72,9 +71,8 @@ def discs() -> Stepper:
         for made in (upper, lower)
     ]
     surface = carrier_surface(bodies[1].space, lower.facet_tags, int(FacetTag.BOTTOM))
-    nodes = NodePoints(bodies[1], surface.layer, surface.positions)
     frame = np.array([[0.0, 1.0], [1.0, 0.0]])
-    face = Face(nodes, surface.nodes, frame, surface.cell, surface.degree)
+    face = Face.of_mesh(bodies[1], surface, frame)
     law = FrictionSpec(static=FRICTION)
     contact = FixedPair(faces_on(bodies[0], upper.facet_tags, face, law), on=1)
     return Stepper(System(bodies), [contact], GeneralizedAlpha(0.8), gravity=np.zeros(2))

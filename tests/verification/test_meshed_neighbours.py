@@ -184,7 +184,13 @@ def lintel(dimension: int, width: float = 0.4, cells: int = 8) -> dict[str, Any]
 
 @pytest.mark.parametrize(
     ("dimension", "width", "cells", "within"),
-    [(2, 0.4, 0, 0.04), (3, 0.4, 8, 0.04), (2, 0.1, 0, 0.01), (3, 0.1, 22, 0.01), (3, 0.1, 8, 0.01)],
+    [
+        (2, 0.4, 0, 0.04),
+        (3, 0.4, 8, 0.04),
+        (2, 0.1, 0, 0.01),
+        (3, 0.1, 22, 0.01),
+        (3, 0.1, 8, 0.01),
+    ],
 )
 def test_a_lintel_stands_on_both_posts(
     dimension: int, width: float, cells: int, within: float, tmp_path: Path

@@ -27,7 +27,6 @@ from rockslip import parse_scene
 from solver.bodies.elastic_body import ElasticBody, Support
 from solver.bodies.elastic_forms import green_strain
 from solver.build.assembly import build, initial_state
-from solver.contact.body_points import NodePoints
 from solver.contact.carriers import Face
 from solver.contact.facets import carrier_surface
 from solver.scene import FrictionSpec
@@ -93,8 +92,7 @@ class Patch:
         bottom = Support(facets=lower.facet_tags.find(FacetTag.BOTTOM), directions=tuple(held))
         bodies = self.body(upper, 0), self.body(lower, 1, [bottom])
         surface = carrier_surface(bodies[1].space, lower.facet_tags, int(FacetTag.TOP))
-        nodes = NodePoints(bodies[1], surface.layer, surface.positions)
-        face = Face(nodes, surface.nodes, self.frame, surface.cell, surface.degree)
+        face = Face.of_mesh(bodies[1], surface, self.frame)
         contact = faces_on(
             bodies[0],
             upper.facet_tags,

@@ -15,7 +15,6 @@ from geometry.mesh import block_mesh
 from geometry.tags import FacetTag
 from rockslip import Scene, parse_scene, simulate
 from solver.bodies.elastic_body import ElasticBody
-from solver.contact.body_points import NodePoints
 from solver.contact.carriers import Face
 from solver.contact.edge_crossings import CrossingInterface, Crossings
 from solver.contact.facets import carrier_surface
@@ -45,9 +44,8 @@ def outlined(shape: Block, tag: FacetTag, cell: str, degree: int) -> tuple[Elast
     body = ElasticBody(made.mesh, material, degree=degree, name="body")
     surface = carrier_surface(body.space, made.facet_tags, int(tag))
     up = 1.0 if tag == FacetTag.TOP else -1.0
-    points = NodePoints(body, surface.layer, surface.positions)
     frame = level_frame(3, up)
-    return body, Face(points, surface.nodes, frame, surface.cell, surface.degree)
+    return body, Face.of_mesh(body, surface, frame)
 
 
 def placed(body: ElasticBody, turn: tuple[float, ...], shift: tuple[float, ...]) -> Array:

@@ -17,7 +17,7 @@ from geometry.mesh import block_mesh
 from geometry.tags import FacetTag
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.rigid_body import CARRIED, RigidBox, SpaceBox, rigid_box
-from solver.contact.body_points import NitschePoints, NodePoints, RigidPoints
+from solver.contact.body_points import NitschePoints, RigidPoints
 from solver.contact.carriers import Face
 from solver.contact.facets import carrier_surface
 from solver.contact.interface import Interface
@@ -124,8 +124,7 @@ class Pair:
             ends = RigidPoints(body, body.corners[list(order)])
             return Face(ends, np.arange(len(order))[None], frame, cell)
         top = carrier_surface(body.space, tags, int(FacetTag.TOP))
-        nodes = NodePoints(body, top.layer, top.positions)
-        return Face(nodes, top.nodes, frame, top.cell, top.degree)
+        return Face.of_mesh(body, top, frame)
 
     def unknowns(self, poses: dict[str, Pose]) -> Array:
         """Of both bodies."""
