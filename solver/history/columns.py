@@ -1,14 +1,10 @@
-"""Names of the columns of a history and their places in rows, by the one table of columns."""
+"""Names of the columns of a history, by the one table of columns, and rows by these names."""
 
 from __future__ import annotations
 
-from collections import namedtuple
 from collections.abc import Mapping, Sequence
-from functools import cache
 from itertools import groupby
-from typing import Any, NamedTuple
-
-import numpy as np
+from typing import NamedTuple
 
 from solver.history.table import TABLE, Part
 from solver.types import Array
@@ -16,7 +12,7 @@ from solver.types import Array
 
 def _energies(kind: str) -> tuple[str, ...]:
     """Names of the energies of a kind, such as "kinetic"."""
-    return tuple(column.field.removesuffix("_J") for column in TABLE if column.energy == kind)
+    return tuple(column.name[7:-2] for column in TABLE if column.energy == kind)
 
 
 STORED_ENERGIES = _energies("stored")
@@ -68,18 +64,6 @@ def columns(
     return tuple(names)
 
 
-@cache
-def positions(part: Part, dimension: int) -> Any:
-    """Places of the columns of a part of a row within that part, as a named tuple of integers.
-
-    `positions("block", 2).angle_rad` is a place within the part of a block in the plane. The
-    engines' rows have the columns of all motions of the ground: those that a scene does not have
-    are left out when a row enters the history. Compiled code takes the tuple as a constant.
-    """
-    fields = [c.field for c in TABLE if c.part == part and c.dimension in (None, dimension)]
-    return namedtuple(f"{part.title()}Columns", fields)(*range(len(fields)))
-
-
 class Structure(NamedTuple):
     """Numbers of parts of a meshed foundation that moves as a whole; 0 for a plate on rollers."""
 
@@ -87,31 +71,6 @@ class Structure(NamedTuple):
     """Number of storeys."""
     columns: int = 0
     """Number of columns that stand on the ground."""
-
-
-class RowLayout(NamedTuple):
-    """Indices at which the parts of an engine's row begin: that of the run at 0."""
-
-    block: int
-    """The part of the first block."""
-    stride: int
-    """Number of columns of a block."""
-    platform: int
-    energy: int
-    foundation: int
-    """The parts of a structure, from here on: its own, that of each storey, of each column."""
-
-
-def row_layout(blocks: int, *, dimension: int, platform: bool) -> RowLayout:
-    """Indices at which the parts of a row with all motions of the ground begin.
-
-    `blocks` is their number; `platform` is true if what carries them moves as a whole.
-    """
-    energies = len(positions("energy", dimension))
-    first, stride = len(positions("run", dimension)), len(positions("block", dimension))
-    after = first + blocks * stride
-    moving = len(positions("platform", dimension)) if platform else 0
-    return RowLayout(first, stride, after, after + moving, after + moving + energies)
 
 
 class Rows:
@@ -129,14 +88,3 @@ class Rows:
     def __getitem__(self, column: str) -> Array:
         """One column, over the rows."""
         return self._rows[:, self._place[column]]
-
-
-def check_filled(names: Sequence[str], rows: Array) -> None:
-    """Make sure that an engine has filled all columns of the rows that it began as nan.
-
-    Raises:
-        ValueError: Names the columns that are nan in every row.
-    """
-    empty = [names[k] for k in np.flatnonzero(np.isnan(rows).all(axis=0))] if len(rows) else []
-    if empty:
-        raise ValueError(f"no value for the columns {', '.join(empty)}")

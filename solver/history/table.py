@@ -1,8 +1,8 @@
 """The table of all columns of histories, which all engines fill by name.
 
 A new column is one entry of `TABLE`, and a line in `solver.history.block_columns` where it follows
-from a block's motion as a rigid body, else one in each engine. Names of the columns, their places
-in a row and the tables of docs/output.md follow from the table.
+from a block's motion as a rigid body, else one in each engine. Names of the columns, their order
+and the tables of docs/output.md follow from the table.
 """
 
 from __future__ import annotations
@@ -48,12 +48,6 @@ class Column:
     def part(self) -> Part:
         """The part of a row that it belongs to."""
         return PARTS.get(self.name.partition(".")[0], "run")
-
-    @property
-    def field(self) -> str:
-        """Its name within its part, as an identifier."""
-        own = self.name.partition(".")[2] if self.part != "run" else self.name
-        return own.replace(".", "_")
 
 
 TABLE = (

@@ -11,8 +11,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from solver.errors import missing_key
 from solver.excitation.motion import GroundMotion, read_ground
 from solver.excitation.sampled import SampledMotion
@@ -175,24 +173,14 @@ def _run(
             files.log(f"{where}: {part.source}")
     for text in cautions:
         files.log(f"caution: {text}")
-    if resumed is None:
-        first = np.array(engine.first_row())
-        history.append(first)
-        context.watch.look(first[None])
-        context.recorder.add(first[None])
-    else:
-        own, before, recorded = resumed.saved
-        engine.resume(own)
-        context.watch.resume(before)
-        context.recorder.resume(recorded)
-        files.log(f"resumed at t = {resumed.time:.6g} s")
+    context.begin(engine, resumed)
     files.start(engine.open_fields, engine.description)
     ready, written = time.perf_counter(), files.output_seconds
     if context.progress is not None:
         context.progress.begin(0.0 if resumed is None else resumed.time)
     gc.freeze()  # what dolfinx and UFL have loaded is no garbage: 5 % of a small step
     try:
-        status, reason = engine.loop(context)
+        status, reason = context.loop(engine)
         history.events = context.recorder.finish()
         files.flush()
     finally:
