@@ -67,6 +67,7 @@ from solver.results.motion import (
     upright_axes,
 )
 from solver.results.rocking import Swing, begins, end_of, swings
+from solver.resumable import Resumable
 from solver.scene import BlockSpec, Scene
 from solver.scene.laws import GROUND
 from solver.types import Array, Indices
@@ -156,8 +157,10 @@ class _Motion(NamedTuple):
     """Horizontal unit vector of the plane, (1,) or, in 3-D, (2,)."""
 
 
-class Recorder:
+class Recorder(Resumable):
     """Finds the events of a run in its steps as they come; the same on all ranks."""
+
+    CARRIED = ("_rows", "_count", "_first", "_noted", "_found", "_met")
 
     def __init__(self, scene: Scene, names: Sequence[str], *, rigid: bool = False):
         """Begin; `names` are those of the columns of rows, `rigid`: as if nothing deformed."""
@@ -174,24 +177,6 @@ class Recorder:
     def events(self) -> tuple[Event, ...]:
         """The events so far, by their times."""
         return tuple(sorted(self._found, key=lambda e: (e.time_s, e.block, e.kind, e.meets)))
-
-    def saved(self) -> dict[str, Any]:
-        """Data to go on from, for `resume`; events in the order in which they were found."""
-        return {
-            "rows": np.concatenate(self._rows) if self._rows else None,
-            "first": dict(self._first),
-            "noted": {name: dict(known) for name, known in self._noted.items()},
-            "found": list(self._found),
-            "met": self._met.saved(),
-        }
-
-    def resume(self, saved: dict[str, Any]) -> None:
-        """Go on from where another recorder of the scene was saved."""
-        self._rows = [] if saved["rows"] is None else [saved["rows"]]
-        self._count = sum(map(len, self._rows))
-        self._first, self._noted = saved["first"], saved["noted"]
-        self._found = list(saved["found"])
-        self._met.resume(*saved["met"])
 
     def add(self, rows: Array, met: Iterable[Meeting] = (), happened: Iterable[Event] = ()) -> None:
         """The rows of steps that were taken, (n, columns), who met, and what happened in them."""
@@ -249,8 +234,10 @@ def _firm(scene: Scene, block: BlockSpec) -> bool:
     return not scene.foundation.is_meshed if carrier is None else _firm(scene, carrier)
 
 
-class _Meetings:
+class _Meetings(Resumable):
     """Meetings of bodies that no event tells of so far."""
+
+    CARRIED = ("_waiting", "_taken")
 
     def __init__(self, scene: Scene):
         """Begin with none."""
@@ -258,14 +245,6 @@ class _Meetings:
         self._widths = {block.name: block.width for block in scene.blocks}
         self._waiting: list[Meeting] = []
         self._taken: set[Meeting] = set()
-
-    def saved(self) -> tuple[list[Meeting], set[Meeting]]:
-        """Meetings that wait for their rows, and those among them that are events by now."""
-        return list(self._waiting), set(self._taken)
-
-    def resume(self, waiting: Sequence[Meeting], taken: Iterable[Meeting]) -> None:
-        """Go on with those that waited."""
-        self._waiting, self._taken = list(waiting), set(taken)
 
     def add(self, met: Iterable[Meeting]) -> None:
         """Take in those that may matter."""

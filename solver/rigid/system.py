@@ -237,10 +237,10 @@ class RigidSystem:
         return rows_of(self.columns, known, len(times))
 
     def saved(self) -> dict[str, Any]:
-        """How everything stands at the moment, for `restore`."""
+        """How everything stands at the moment, for `resume`."""
         return {"time": self.time, "world": self._world.saved(), "lean": self._lean.copy()}
 
-    def restore(self, saved: dict[str, Any]) -> None:
+    def resume(self, saved: dict[str, Any]) -> None:
         """Go back to where everything stood when it was saved."""
         self.time, self._lean = saved["time"], saved["lean"].copy()
         self._world.restore(saved["world"])
@@ -255,7 +255,7 @@ class RigidSystem:
         motion = np.tile(np.zeros(d) if ground is None else np.array(ground, float), (2, 1))
         trial = self.advance(1, short, motion, short / 1024)
         forces = self._before.links[..., d : 2 * d].copy()
-        self.restore(saved)
+        self.resume(saved)
         self._before.links[..., d : 2 * d] = forces
         self.first_pairs = trial.pairs
         now = self._before.followed_by(self._before)

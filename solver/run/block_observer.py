@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -27,6 +27,7 @@ from solver.history.block_columns import (
 )
 from solver.history.engine_rows import of_owner
 from solver.kernels import meshed
+from solver.resumable import Resumable
 from solver.stepping.state import State
 from solver.stepping.stepper import Stepper
 from solver.types import Array, Indices, Mask
@@ -48,8 +49,10 @@ def touching(force: Array, place: Array, may_touch: Mask, level: float) -> Indic
     return touch.nonzero()[0]
 
 
-class BlockObserver:
+class BlockObserver(Resumable):
     """Angle, slip, gaps and forces of one block."""
+
+    CARRIED = ("_lean", "_slip", "_known")
 
     def __init__(
         self, member: BlockBody, stepper: Stepper, state: State, carrier: BlockBody | None
@@ -92,13 +95,9 @@ class BlockObserver:
         face: int = state.active[self._member.number].second
         return face
 
-    def saved(self) -> tuple[Any, ...]:
-        """Values carried on from step to step, for `resume`."""
-        return self._lean, self._slip, self._known
-
-    def resume(self, saved: tuple[Any, ...]) -> None:
+    def resume(self, saved: Mapping[str, Any]) -> None:
         """Go on from the steps that another observer of the block has seen."""
-        self._lean, self._slip, self._known = saved
+        super().resume(saved)
         self._take(self._stepper.links)
         self._set_interface()
         self._order_reference()

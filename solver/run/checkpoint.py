@@ -48,6 +48,7 @@ TYPES = {
         "Projection",
     ),
     "solver.history.events": ("Event", "Meeting"),
+    "solver.run.pair_observer": ("Collision",),
     "solver.scheme.generalized_alpha": ("TangentWeights",),
     "solver.scheme.step_control": ("Ladder",),
     "solver.stepping.body_links": ("LinkMemory",),

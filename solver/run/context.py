@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
@@ -18,6 +18,7 @@ from solver.history.pairs import PairTable, kept_pairs
 from solver.results.endings import Watch
 from solver.results.events import Recorder
 from solver.results.meetings import Contacts
+from solver.resumable import Resumable
 from solver.run.checkpoint import Checkpoint
 from solver.run.files import Fields, RunFiles
 from solver.run.interruption import Interruption
@@ -94,7 +95,7 @@ class Engine(Protocol):
     def saved(self) -> dict[str, Any]:
         """State of the run, for `resume`."""
 
-    def resume(self, saved: dict[str, Any]) -> None:
+    def resume(self, saved: Mapping[str, Any]) -> None:
         """Go on from where another engine of the same scene was saved; collective."""
 
     @property
@@ -115,8 +116,10 @@ class Engine(Protocol):
 
 
 @dataclass(slots=True)
-class RunContext:
+class RunContext(Resumable):
     """The scene of a run with its history and files, and the reasons to end it early."""
+
+    CARRIED = ("watch", "recorder", "waiting")
 
     scene: Scene
     """The scene."""
@@ -148,10 +151,9 @@ class RunContext:
             self.watch.look(first[None])
             self.recorder.add(first[None])
             return
-        own, before, recorded, self.waiting = resumed.saved
+        own, others = resumed.saved
         engine.resume(own)
-        self.watch.resume(before)
-        self.recorder.resume(recorded)
+        self.resume(others)
         self.files.log(f"resumed at t = {resumed.time:.6g} s")
 
     def loop(self, engine: Engine) -> tuple[str, str]:
@@ -221,5 +223,4 @@ class RunContext:
             self.files.flush()
         schedule = self.files.schedule
         if schedule.is_due(engine.steps) or (ends and schedule.wanted):
-            saved = engine.saved(), self.watch.before, self.recorder.saved(), self.waiting
-            self.files.keep(self.ground, engine.time, saved)
+            self.files.keep(self.ground, engine.time, (engine.saved(), self.saved()))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -18,6 +18,7 @@ from solver.history.events import Meeting
 from solver.history.history import scene_columns
 from solver.parallel import any_rank
 from solver.results.meetings import Contacts
+from solver.resumable import Resumable
 from solver.run.context import NO_PAIRS, Batch, RunContext
 from solver.run.describe import damping_of_block
 from solver.run.files import Fields
@@ -40,8 +41,13 @@ class _NextStep(NamedTuple):
     exchange: Exchange
 
 
-class MeshedRun:
+class MeshedRun(Resumable):
     """The engine of scenes with meshed bodies."""
+
+    CARRIED = (
+        *("state", "_stepper", "_ladder", "_judge", "_observer", "_pairs"),
+        *("steps", "_iterations", "_damped", "_coarse"),
+    )
 
     first_pairs = NO_PAIRS
     """What pairs of bodies do at t = 0, which no step tells of."""
@@ -109,23 +115,14 @@ class MeshedRun:
     def saved(self) -> dict[str, Any]:
         """State of the run, for `resume`."""
         self._next = None  # solved anew, here as in a run that goes on from this
-        return {
-            "state": self.state,
-            "stepper": self._stepper.saved(),
-            "ladder": self._ladder,
-            "judge": None if self._judge is None else self._judge.saved(),
-            "observer": self._observer.saved(),
-            "pairs": None if self._pairs is None else self._pairs.saved(),
-            "counts": (self.steps, self._iterations, self._damped, self._coarse),
-            "places": self._places,
-        }
+        return super().saved() | {"places": self._places}
 
     @property
     def _places(self) -> list[Array]:
         """Places of this rank's nodes in the undeformed mesh of each meshed body, (nodes, d), m."""
         return [body.nodes for body, _ in self._stepper.system.meshed]
 
-    def resume(self, saved: dict[str, Any]) -> None:
+    def resume(self, saved: Mapping[str, Any]) -> None:
         """Go on from where another engine of the same scene was saved; collective.
 
         Raises:
@@ -134,16 +131,8 @@ class MeshedRun:
         same = all(map(np.array_equal, saved["places"], self._places))
         if any_rank(self._stepper.system.comm, not same):
             raise SceneError("--resume", "a checkpoint of another mesh", "that of this run")
-        self.state = saved["state"]
-        self._stepper.resume(saved["stepper"])
-        self._ladder = saved["ladder"]
+        super().resume(saved)
         self._ladder.lead_to(self._scene.time.end)
-        if self._judge is not None:
-            self._judge.resume(saved["judge"])
-        self._observer.resume(saved["observer"])
-        if self._pairs is not None:
-            self._pairs.resume(saved["pairs"])
-        self.steps, self._iterations, self._damped, self._coarse = saved["counts"]
 
     @property
     def time(self) -> float:

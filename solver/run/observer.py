@@ -18,6 +18,7 @@ from solver.history.engine_rows import energy_columns, platform_columns, rows_of
 from solver.history.events import Event
 from solver.history.link_columns import LinkRows
 from solver.parallel import global_sum
+from solver.resumable import Resumable
 from solver.run.block_observer import BlockObserver
 from solver.run.structure_observer import StructureObserver
 from solver.scene.link import LinkSpec
@@ -28,11 +29,13 @@ _EXCHANGED = attrgetter("input", *DISSIPATED_ENERGIES)
 """Energies that a step takes in and dissipates, of an `Exchange`."""
 
 
-class Observer:
+class Observer(Resumable):
     """Motion of all blocks and of the platform, and the energy ledger.
 
     Slip and the dissipated energies are carried on from step to step, so every step has to be seen.
     """
+
+    CARRIED = ("_exchanged", "_start", "_blocks", "_platform")
 
     def __init__(
         self,
@@ -63,22 +66,6 @@ class Observer:
         )
         self._exchanged: Sequence[float] = [0.0] * (1 + len(DISSIPATED_ENERGIES))
         self._start: float | None = None
-
-    def saved(self) -> dict[str, Any]:
-        """Values carried on from step to step, for `resume`."""
-        return {
-            "own": (self._exchanged, self._start),
-            "blocks": [block.saved() for block in self._blocks],
-            "platform": None if self._platform is None else self._platform.velocity,
-        }
-
-    def resume(self, saved: dict[str, Any]) -> None:
-        """Go on from the steps that another observer of the scene has seen."""
-        self._exchanged, self._start = saved["own"]
-        for block, own in zip(self._blocks, saved["blocks"], strict=True):
-            block.resume(own)
-        if self._platform is not None:
-            self._platform.velocity = saved["platform"]
 
     def row(self, state: State, exchange: Exchange, step: float) -> Array:
         """The values of a history row, in the order of the columns.
@@ -136,8 +123,10 @@ class Observer:
         return energy_columns(stored, self._exchanged, self._start)
 
 
-class PlatformObserver:
+class PlatformObserver(Resumable):
     """Drift, velocity and acceleration of what carries the blocks, where it moves as a whole."""
+
+    CARRIED = ("velocity",)
 
     def __init__(self, assembly: Assembly):
         """Start at rest."""

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from solver.contact.hull import gaps
 from solver.history.events import Meeting
 from solver.history.pairs import pair_tangents
 from solver.results.meetings import Contacts
+from solver.resumable import Resumable
 from solver.run.observer import mean_of_top
 from solver.scene import BlockSpec, Scene
 from solver.scene.laws import GROUND
@@ -56,8 +56,10 @@ class Collision:
     is_told: bool = False
 
 
-class PairObserver:
+class PairObserver(Resumable):
     """Collisions of all bodies but those of blocks with what carries them, and rows of pairs."""
+
+    CARRIED = ("_open", "_slips", "_gaps", "_deepest")
 
     def __init__(self, scene: Scene, assembly: Assembly):
         """Begin where nothing has touched."""
@@ -78,22 +80,6 @@ class PairObserver:
         self._slips: dict[tuple[int, int], Array] = {}
         self._gaps: dict[tuple[int, int], float] = {}
         self._deepest: tuple[float, float, str, str] | None = None
-
-    def saved(self) -> dict[str, Any]:
-        """Values carried on from step to step, for `resume`."""
-        return {
-            "open": [(*pair, asdict(each)) for pair, each in self._open.items()],
-            "slips": [(*pair, slip) for pair, slip in self._slips.items()],
-            "gaps": [(*pair, gap) for pair, gap in self._gaps.items()],
-            "deepest": self._deepest,
-        }
-
-    def resume(self, saved: dict[str, Any]) -> None:
-        """Go on from the steps that another observer has seen."""
-        self._open = {(a, b): Collision(**values) for a, b, values in saved["open"]}
-        self._slips = {(a, b): slip for a, b, slip in saved["slips"]}
-        self._gaps = {(a, b): gap for a, b, gap in saved["gaps"]}
-        self._deepest = saved["deepest"]
 
     @property
     def contacts(self) -> Contacts:

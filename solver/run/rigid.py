@@ -19,6 +19,7 @@ from solver.fields.rigid_snapshots import RigidSnapshots
 from solver.fields.vtu import FieldsBefore
 from solver.results.endings import Ending
 from solver.results.meetings import Contacts
+from solver.resumable import Resumable
 from solver.rigid.system import Advance, RigidSystem
 from solver.run.context import ITERATIONS, TIME, Batch, RunContext
 from solver.scene import Scene
@@ -31,8 +32,12 @@ STEPS_AT_ONCE = 500
 LONGEST_BATCH = 0.5
 
 
-class RigidRun:
+class RigidRun(Resumable):
     """The engine of scenes with rigid bodies alone."""
+
+    CARRIED = (
+        *("_system", "steps", "time", "_rejected", "_iterations", "_unsettled", "_largest_defect"),
+    )
 
     remarks: Sequence[str] = ()
 
@@ -73,20 +78,6 @@ class RigidRun:
         """Writer of the fields, after those that an earlier part of the run has left."""
         return RigidSnapshots(self._system, folder, self._scene, writes=self._writes, before=before)
 
-    def saved(self) -> dict[str, Any]:
-        """State of the run, for `resume`."""
-        return {
-            "system": self._system.saved(),
-            "counts": (self.steps, self._rejected, self._iterations, self._unsettled),
-            "largest_defect": self._largest_defect,
-        }
-
-    def resume(self, saved: dict[str, Any]) -> None:
-        """Go on from where another engine of the same scene was saved."""
-        self._system.restore(saved["system"])
-        self.steps, self._rejected, self._iterations, self._unsettled = saved["counts"]
-        self.time, self._largest_defect = self.steps * self._span.step, saved["largest_defect"]
-
     @property
     def _total(self) -> int:
         """Number of whole steps up to the end."""
@@ -105,7 +96,7 @@ class RigidRun:
         ending = context.watch.look(outcome.rows) if len(outcome.rows) else None
         if ending is not None and saved is not None:
             # Once more, up to the step with which the run ends: the bodies have to stand there.
-            self._system.restore(saved)
+            self._system.resume(saved)
             outcome = self._steps_to(first + 1 + ending.row)
         batch = self._batch(outcome, ending)
         slow = context.interruption.anywhere(time.perf_counter() - began > LONGEST_BATCH)
