@@ -9,16 +9,10 @@ from typing import NamedTuple
 from solver.history.table import TABLE, Part
 from solver.types import Array
 
-
-def _energies(kind: str) -> tuple[str, ...]:
-    """Names of the energies of a kind, such as "kinetic"."""
-    return tuple(column.name[7:-2] for column in TABLE if column.energy == kind)
-
-
-STORED_ENERGIES = _energies("stored")
+STORED_ENERGIES = ("kinetic", "strain", "gravity", "spring", "interface")
 """Energies whose sum is `energy.total_J`."""
 
-DISSIPATED_ENERGIES = _energies("dissipated")
+DISSIPATED_ENERGIES = ("friction", "damping", "contact_damping", "contact", "numerical")
 """Names of the energies dissipated since the start, each from its own formula."""
 
 
@@ -41,27 +35,29 @@ def columns(
     `feet`: how many blocks have, by their names.
     """
     links = links or {}
-    exists = {"": True, "axes": True, "platform": platform, "vertical": vertical, "second": second}
+    exists = {"": True, "axes": True, "vertical": vertical, "second": second}
     exists["structure"] = structure is not None
     storeys, standing = structure or Structure()
     owners: dict[Part, Sequence[str]] = {
+        "run": [""],
         "block": blocks,
+        "platform": ["platform"] * platform,
+        "energy": ["energy"],
+        "foundation": ["foundation"] * platform,
         "storey": [f"foundation.storey_{k + 1}" for k in range(storeys)],
         "column": [f"foundation.column_{k + 1}" for k in range(standing)],
         "link": list(links),
         "foot": [f"{name}.foot_{k + 1}" for name, n in (feet or {}).items() for k in range(n)],
     }
     there = [c for c in TABLE if c.dimension in (None, dimension) and exists[c.needs]]
-    names: list[str] = []
-    for part, group in groupby(there, key=lambda column: column.part):
-        own = list(group)
-        if part not in owners:
-            names += [column.name for column in own]
-            continue
-        for name in owners[part]:
-            has = [c.name for c in own if c.needs != "axes" or links[name]]
-            names += [f"{name}.{column.partition('.')[2]}" for column in has]
-    return tuple(names)
+    return tuple(
+        f"{owner}.{column.name.partition('.')[2]}" if owner else column.name
+        for part, group in groupby(there, key=lambda column: column.part)
+        for own in [list(group)]
+        for owner in owners[part]
+        for column in own
+        if column.needs != "axes" or links[owner]
+    )
 
 
 class Structure(NamedTuple):
