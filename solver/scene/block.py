@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from geometry import density as densities
 from geometry.block import Block
-from solver.errors import SceneError, Statement, missing_key, not_applicable
+from solver.errors import SceneError, Statement, missing_key
 from solver.scene.cells import (
     MeshSize,
     cell_of,
@@ -19,7 +19,15 @@ from solver.scene.cells import (
     mesh_of_file,
     mesh_of_shape,
 )
-from solver.scene.checking import OPEN, Checked, exactly_one, is_open, refuse_length, shown
+from solver.scene.checking import (
+    OPEN,
+    Checked,
+    exactly_one,
+    is_open,
+    only_where,
+    refuse_length,
+    shown,
+)
 from solver.scene.contact import FrictionSpec
 from solver.scene.container import ContainerName, Load, castings, mass_of, sizes_of
 from solver.scene.damping import (
@@ -87,6 +95,9 @@ FOOT = 1e-3
 
 #: The key that a block without elastic constants needs.
 RIGID_MODEL = 'model = "rigid"'
+
+RIGID_ONLY = f"blocks with {RIGID_MODEL} only"
+"""The blocks to which keys apply that have no meaning for elastic ones."""
 
 #: Numbers of cells by default.
 DEFAULT_CELLS: dict[Dimension, Cells] = {2: (6, 16), 3: (6, 6, 16)}
@@ -234,8 +245,7 @@ class BlockSpec(Checked):
         self._check_place()
         self._check_lengths()
         self._check_mass()
-        if self.restitution is not None and self.model != "rigid":
-            raise not_applicable("restitution", f"blocks with {RIGID_MODEL} only")
+        only_where(self, self.model == "rigid", RIGID_ONLY, "inertia", "restitution")
         if self.model == "elastic":
             for key, range_ in (("young", "young > 0"), ("poisson", "0 <= poisson < 0.5")):
                 if getattr(self, key) is None:
@@ -247,8 +257,7 @@ class BlockSpec(Checked):
         self._check_container()
         if self.feet == ():
             raise SceneError("feet", "none", "a table for all, or an array of one table each")
-        if self.feet is not None and shape is not None:
-            raise not_applicable("feet", "boxes only; a shape has them as shape.union")
+        only_where(self, shape is None, "boxes only; a shape has them as shape.union", "feet")
         for key in ("width", "height") if shape is None else own_keys(shape):
             if is_open(getattr(self, key)):
                 raise missing_key(key, f"({key} > 0)")
@@ -256,8 +265,8 @@ class BlockSpec(Checked):
         if shape is None:
             return
         shape.refuse_keys_of_parts()
-        if self.centre_of_mass is not None and self.model != "rigid":
-            raise not_applicable("centre_of_mass", f"boxes, and shapes with {RIGID_MODEL}, only")
+        what = f"boxes, and shapes with {RIGID_MODEL}, only"
+        only_where(self, self.model == "rigid", what, "centre_of_mass")
         if self.parts:
             raise Statement("parts", "are for boxes; a shape has them as shape.union")
         if self.centre_of_mass is not None and self.inertia is None:
@@ -266,12 +275,9 @@ class BlockSpec(Checked):
     def _check_container(self) -> None:
         """Refuse a container that is something else, too, and its keys without one."""
         if self.container is None:
-            for key in ("load", "scale"):
-                if getattr(self, key) is not None:
-                    raise not_applicable(key, "containers only")
+            only_where(self, False, "containers only", "load", "scale")
             return
-        if self.model != "rigid":
-            raise not_applicable("container", f"blocks with {RIGID_MODEL} only")
+        only_where(self, self.model == "rigid", RIGID_ONLY, "container")
         for key, other in (("shape", self.given_shape), ("feet", self.feet)):
             if other is not None:
                 raise SceneError(key, f"both container and {key}", "one of them")
@@ -283,16 +289,13 @@ class BlockSpec(Checked):
         if self.model == "rigid" and self.given_shape is None and not self.is_box:
             return
         if self.is_box:
-            if not is_open(self.cell_size):
-                raise not_applicable("cell_size", "blocks with a shape only; a box has cells")
+            what = "blocks with a shape only; a box has cells"
+            only_where(self, False, what, "cell_size")
             return
-        if self.takes_mesh and not is_open(self.cell_size):
-            raise not_applicable("cell_size", "shapes that are meshed; a .msh is taken as it is")
+        what = "shapes that are meshed; a .msh is taken as it is"
+        only_where(self, not self.takes_mesh, what, "cell_size")
         what = "a shape has a cell_size" if self.feet is None else "on feet it has a cell_size"
-        given = {"cells": self.cells, "cell": self.cell, "refinement": self.refinement}
-        for key, value in given.items():
-            if not (is_open(value) or value == 1.0):
-                raise not_applicable(key, f"boxes only; {what}")
+        only_where(self, False, f"boxes only; {what}", "cells", "cell", "refinement")
 
     def _check_mass(self) -> None:
         """Refuse a mass that is not given, or given twice."""
@@ -304,8 +307,6 @@ class BlockSpec(Checked):
                     raise Statement(key, "follows from density and parts; give it or these")
             if self.density is None:
                 raise missing_key("density", "beside parts: that of the rest of the block")
-        if self.inertia is not None and self.model != "rigid":
-            raise not_applicable("inertia", f"blocks with {RIGID_MODEL} only")
 
     def _check_spread(self, dimension: Dimension) -> None:
         """Refuse a centre of mass, an inertia or parts that a block of this dimension cannot have.

@@ -17,7 +17,7 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, TypeGuard, Union, get_args, get_origin, get_type_hints
 
-from solver.errors import SceneError, UnknownKey, below, missing_key
+from solver.errors import SceneError, UnknownKey, below, missing_key, not_applicable
 
 #: Default of a field that is resolved once the rest is known; its type need not admit None.
 OPEN: Any = None
@@ -87,6 +87,17 @@ def exactly_one(spec: Any, *names: str) -> None:
         raise missing_key(names[0], f"({wanted})")
     if len(given) > 1:
         raise SceneError(names[0], f"{'both ' * (len(given) == 2)}{' and '.join(given)}", wanted)
+
+
+def only_where(spec: Any, applies: object, what: str, *names: str) -> None:
+    """Refuse fields with other values than their defaults where they do not apply.
+
+    `what` follows "applies to".
+    """
+    cls: Any = type(spec)
+    for field, _ in fields_of(cls) if not applies else ():
+        if field.name in names and getattr(spec, field.name) not in (field.default, None, ()):
+            raise not_applicable(key_of(field), what)
 
 
 def refuse_length(

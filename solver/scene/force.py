@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Literal
 
-from solver.errors import SceneError, missing_key, not_applicable
-from solver.scene.checking import Checked, exactly_one, refuse_length, shown
+from solver.errors import SceneError, missing_key
+from solver.scene.checking import Checked, exactly_one, only_where, refuse_length, shown
 from solver.scene.names import refuse_name
 from solver.scene.quantities import Course, Dimension, Forces, Instant, Position, Pressure
 
@@ -53,10 +53,9 @@ class ForceSpec(Checked):
         exactly_one(self, "force", "pressure")
         if self.pressure is not None and self.face is None:
             raise missing_key("face", "beside pressure")
-        if self.face is not None and self.pressure is None:
-            raise not_applicable("face", "pressure, not to force")
-        if self.at is not None and self.pressure is not None:
-            raise not_applicable("at", "force; a pressure acts in the middle of its face")
+        only_where(self, self.force is None, "pressure, not to force", "face")
+        what = "force; a pressure acts in the middle of its face"
+        only_where(self, self.pressure is None, what, "at")
         if self.ramp is not None and self.table is not None:
             raise SceneError("table", "both ramp and table", "at most one of ramp and table")
         if self.ramp is not None and not self.ramp[0] < self.ramp[1]:
