@@ -132,14 +132,6 @@ def overturned_at(history: Columns, block: BlockSpec) -> float | None:
     return float(time[last[-1] + 1 if len(last) else 0])
 
 
-def fell_at(scene: Scene, history: Columns, block: BlockSpec) -> float | None:
-    """Time at which a block has fallen off what carried it, s; None where it has not."""
-    if not has_ends(scene, block):
-        return None
-    rows = np.flatnonzero(fallen(scene, history, block))
-    return float(history["time_s"][rows[0]]) if len(rows) else None
-
-
 def beyond_return(history: Columns, block: BlockSpec) -> Mask:
     """In which rows a block leans beyond the angle from which it does not come back."""
     lean = np.abs(total_lean(history, block.name))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from solver.history.history import History
-from solver.results.motion import block_motion
+from solver.results.motion import BlockMotion
 from solver.scene import BlockSpec, Scene
 from solver.types import Array
 
@@ -37,7 +37,7 @@ def cautions_of_flutter(scene: Scene, history: History) -> list[str]:
 
 def flutter(scene: Scene, history: History, block: BlockSpec) -> tuple[float, float] | None:
     """Time at which a block begins to flutter, s, and the frequency, Hz; None if it never does."""
-    motion = block_motion(scene, history, block)
+    motion = BlockMotion(scene, history, block)
     slowest = SLOWEST * scene.bending_frequency(block) / (2 * np.pi)
     force = history[f"{block.name}.normal_force_N"]
     for rows in slides(motion.time, motion.slip):

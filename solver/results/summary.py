@@ -24,11 +24,11 @@ from solver.results.cautions import (
     loss_shares,
 )
 from solver.results.effective_mass import friction_mass_ratio
-from solver.results.endings import fell_at, motion_end, overturned_at
+from solver.results.endings import motion_end, overturned_at
 from solver.results.events import recorded
 from solver.results.flutter import cautions_of_flutter
 from solver.results.meetings import Contacts, meetings
-from solver.results.motion import CLEAR, block_motion, lean_over_alpha, mode
+from solver.results.motion import CLEAR, BlockMotion, lean_over_alpha, mode
 from solver.results.overlaps import overlaps
 from solver.scene import BlockSpec, LinkSpec, Scene
 
@@ -99,10 +99,11 @@ def _block(
     block: BlockSpec, scene: Scene, history: History, events: Sequence[Event]
 ) -> dict[str, Any]:
     """Entries of one block."""
-    motion = block_motion(scene, history, block)
+    motion = BlockMotion(scene, history, block)
     time, angle, shape = motion.time, motion.angle, motion.shape
     slip = np.linalg.norm(motion.slip, axis=1)
-    over, off = overturned_at(history, block), fell_at(scene, history, block)
+    ended = {e.kind: e.time_s for e in events if e.block == block.name}
+    over, off = overturned_at(history, block), ended.get("fell")
     standing = time <= min((t for t in (over, off) if t is not None), default=math.inf)
     peaks = rocking.peaks(time, angle, shape.slenderness())
     over_alpha = lean_over_alpha(history, block)
