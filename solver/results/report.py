@@ -157,7 +157,7 @@ def _losses(loss: Mapping[str, float | None], shares: Mapping[str, float]) -> st
 
 def told_lines(summary: Mapping[str, Any]) -> list[str]:
     """How bodies met, the chain of collapse, and blocks that came to overlap, a line each."""
-    return meeting_lines(summary) + [
+    return [*meeting_lines(summary)] + [
         f"{' and '.join(found['blocks'])} overlap from t = {found['time_s']:.6g} s on, by up to "
         f"{found['depth_m']:.3g} m: contact between them was lost, and what follows is not to be "
         "trusted"

@@ -64,9 +64,9 @@ def summarise(
     links = {k.name: _link(k, history, events) for k in scene.links if len(history)}
     platform = _platform(history) if len(history) else {}
     balance = _energy(scene, history) if len(history) else {}
-    found = cautions_of_steps(scene, cost)
-    found += cautions_of_run(scene, balance["loss"], balance["scale_J"]) if balance else []
+    found = [*cautions_of_steps(scene, cost)]
     if blocks:
+        found += cautions_of_run(scene, balance["loss"], balance["scale_J"])
         found += cautions_of_impacts(scene, blocks)
         found += cautions_of_flutter(scene, history)
         found += cautions_of_end(scene, status, reason)
