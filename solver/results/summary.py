@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -216,9 +217,16 @@ def write_json(file: Path, summary: Mapping[str, Any]) -> None:
 
 def write_whole(file: Path, text: str) -> None:
     """Write a text; a reader sees the old file or the new one, never half of it."""
+    with draft_of(file) as draft:
+        draft.write_text(text, encoding="utf-8")
+
+
+@contextmanager
+def draft_of(file: Path) -> Iterator[Path]:
+    """The place of a draft, which becomes the file once it is written, or goes if it is not."""
     draft = file.with_name(file.name + ".part")
     try:
-        draft.write_text(text, encoding="utf-8")
+        yield draft
         os.replace(draft, file)
     except OSError as error:
         draft.unlink(missing_ok=True)

@@ -301,7 +301,7 @@ def _foundation(scene: Scene, ground: GroundMotion) -> Lines:
         yield "  natural period", f"{platform.period:.4g} s (empty, rigid)"
     if scene.carrier_moves and scene.foundation.needs_mesh_engine:
         yield "  natural period", f"{_computed_period(scene):.4g} s (empty, of the mesh)"
-    if scene.foundation.reduced_modes is not None:
+    if scene.foundation.modes is not None:
         yield from _reduction(scene, ground)
 
 

@@ -127,17 +127,18 @@ class RunFiles:
                 write_whole(self._folder / EVENTS, events_text(self._history.events))
 
     def _together(self, action: Callable[[], None]) -> None:
-        """Write something, each rank its part; collective.
+        """Write something, each rank its part, in time that counts as output; collective.
 
         Raises:
             OutputTrouble: One of them could not; on every rank alike.
         """
-        trouble = None
+        began, trouble = time.perf_counter(), None
         try:
             action()
         except OSError as error:
             trouble = self._trouble(error)
         everyone = [trouble] if isinstance(self._comm, Single) else self._comm.allgather(trouble)
+        self.output_seconds += time.perf_counter() - began
         found = next((one for one in everyone if one is not None), None)
         if found is not None:
             raise found
@@ -187,34 +188,23 @@ class RunFiles:
     def start(self, fields: Callable[[Path, FieldsBefore], Fields], description: str) -> None:
         """Log the run; open and write the fields of t = 0 where they are requested."""
         self.log(description)
-        folder = self._folder
-        if folder is not None and self._resumed is not None:
-            self._together(lambda: self._unlink_summary(folder))
-        if folder is not None and self._scene.output.fields != "none":
-            began = time.perf_counter()
+        folder, resumed, before = self._folder, self._resumed, FieldsBefore()
+        if folder is None:
+            return
+        if resumed is not None:
+            before = FieldsBefore(resumed.part, resumed.time * (1 + 1e-12))
+            self._taken = resumed.time
 
-            resumed = self._resumed
-            before = FieldsBefore()
-            if resumed is not None:
-                before = FieldsBefore(resumed.part, resumed.time * (1 + 1e-12))
-
-            def begin() -> None:
+        def begin() -> None:
+            if resumed is not None and self._writes:
+                # That of the part before, of which the run has read all by now.
+                (folder / "summary.json").unlink(missing_ok=True)
+            if self._scene.output.fields != "none":
                 self._fields = fields(folder, before)
 
-            self._together(begin)
-            assert self._fields is not None
-            opened = self._fields
-            if resumed is None:
-                self._together(self._write_rows)
-                self._together(lambda: opened.write(0.0))
-            self._taken = 0.0 if resumed is None else resumed.time
-            self.output_seconds += time.perf_counter() - began
-            self.flush()
-
-    def _unlink_summary(self, folder: Path) -> None:
-        """Remove the summary of the part before, which the run has read all of by now."""
-        if self._writes:
-            (folder / "summary.json").unlink(missing_ok=True)
+        self._together(begin)
+        if self._fields is not None:
+            self.snapshot(0.0 if resumed is None else resumed.time)
 
     def next_snapshot(self, now: float) -> float:
         """The first time after `now` (s) at which a snapshot is due; never without a folder."""
@@ -231,9 +221,7 @@ class RunFiles:
         if self._comm.size > 1 or fields is not None:
             self.flush()  # where there is no room for fields, there is for rows beside them
         if fields is not None:
-            began = time.perf_counter()
             self._together(lambda: fields.write(now))
-            self.output_seconds += time.perf_counter() - began
 
     @property
     def late(self) -> bool:
@@ -243,12 +231,9 @@ class RunFiles:
 
     def flush(self) -> None:
         """Write the rows that wait; collective."""
-        if self._folder is None:
-            return
-        began = time.perf_counter()
-        self._together(self._write_rows)
-        self._flushed = time.perf_counter()
-        self.output_seconds += self._flushed - began
+        if self._folder is not None:
+            self._together(self._write_rows)
+            self._flushed = time.perf_counter()
 
     def keep(self, ground: GroundMotion, now: float, saved: Any) -> None:
         """Write a checkpoint of what was saved at a time, s; collective."""
@@ -256,13 +241,11 @@ class RunFiles:
         if folder is None or self._history is None:
             return
         self.flush()
-        began = time.perf_counter()
         part = 1 if self._resumed is None else self._resumed.part
         kept = Checkpoint(now, len(self._history), part, saved)
         self._together(
             lambda: write_checkpoint(folder / NAME, self._scene, ground, kept, self._comm)
         )
-        self.output_seconds += time.perf_counter() - began
 
     def finish(self, summary: dict[str, Any], line: str) -> None:
         """Write the summary, after all rows and fields; collective."""

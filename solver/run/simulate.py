@@ -28,7 +28,7 @@ from solver.run.context import Engine, ProgressReport, RunContext
 from solver.run.files import RunFiles
 from solver.run.folders import renew_folder
 from solver.run.interruption import Interruption
-from solver.run.twin import finer_twin_of, horizon_beside, refuse_without_twin
+from solver.run.twin import horizon_beside, refuse_without_twin
 from solver.scene import Scene
 from solver.scene.checking import shown
 
@@ -146,11 +146,14 @@ def _refuse(scene: Scene, folder: Path | None, options: Sequence[str], *, resume
         check_options(options)
 
 
-def _twin(scene: Scene, *, comm: Comm, until: float | None, petsc_options: Sequence[str]) -> Result:
-    """The twin of a scene, run without any files, up to a time of the performance counter, s."""
+def _twin(
+    scene: Scene, *, comm: Comm, until: float | None, petsc_options: Sequence[str]
+) -> tuple[str, History]:
+    """Status and history of a twin, without files, up to a time of the performance counter, s."""
     left = None if until is None else until - time.perf_counter()
     alike: dict[str, Any] = {"comm": comm, "petsc_options": petsc_options}
-    return simulate(finer_twin_of(scene), seconds=left, **alike)
+    run = simulate(scene, seconds=left, **alike)
+    return run.status, run.history
 
 
 def _run(
@@ -159,13 +162,13 @@ def _run(
     began: float,
     cautions: Sequence[str],
     resumed: Checkpoint | None,
-    twin: Callable[[Scene], Result],
+    twin: Callable[[Scene], tuple[str, History]],
 ) -> tuple[str, dict[str, Any]]:
     """From the first row to the summary; returns status and summary.
 
     The engine is set up, the history empty, and the run `began` at a time of the performance
     counter, s, with these cautions; it may go on from a checkpoint. `twin` runs
-    the twin of the scene, if the scene has one.
+    the twin of the scene, if it has one.
     """
     scene, history, files = context.scene, context.history, context.files
     for where, part in zip(scene.directions, context.ground.parts, strict=True):
@@ -204,7 +207,7 @@ def _run(
         contacts=engine.contacts(),
     )
     if scene.output.twin and status == "completed":
-        summary["horizon"] = horizon_beside(scene, history, lambda: twin(scene))
+        summary["horizon"] = horizon_beside(scene, history, twin)
     for line in told_lines(summary):
         files.log(line)
     files.finish(summary, f"{status}{': ' if reason else ''}{reason}")

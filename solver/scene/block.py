@@ -12,8 +12,7 @@ from geometry.block import Block
 from solver.errors import SceneError, Statement, missing_key
 from solver.scene.cells import (
     MeshSize,
-    cell_of,
-    cells_of,
+    cells_in,
     default_cell_size,
     mesh_of_box,
     mesh_of_file,
@@ -376,8 +375,7 @@ class BlockSpec(Checked):
     def _cells_in(self, dimension: Dimension) -> dict[str, Any]:
         """Number and shape of the cells of a box; their size in a shape, if that is elastic."""
         if self.is_box or (self.given_shape is None and self.model == "rigid"):
-            cells = cells_of(self, dimension, DEFAULT_CELLS[dimension])
-            return {"cells": cells, "cell": cell_of(self, dimension)}
+            return cells_in(self.cells, self.cell, dimension, DEFAULT_CELLS[dimension])
         if self.takes_mesh:
             self._own_cells()  # is refused here if it is none
         if self.model == "rigid" or self.takes_mesh:

@@ -12,8 +12,7 @@ from solver.errors import SceneError, missing_key
 from solver.scene.cells import (
     SHAPES,
     MeshSize,
-    cell_of,
-    cells_of,
+    cells_in,
     mesh_of_box,
     mesh_size_in_words,
     refined,
@@ -111,7 +110,7 @@ class Foundation(Checked):
         return None
 
     @property
-    def reduced_modes(self) -> int | Literal["auto"] | None:
+    def modes(self) -> int | Literal["auto"] | None:
         """Number of modes of its mesh that steps go on with; None: all unknowns."""
         return None
 
@@ -326,11 +325,6 @@ class PlateSpec(Foundation):
         return self.support == "rollers"
 
     @property
-    def reduced_modes(self) -> int | Literal["auto"] | None:
-        """Number of modes of its mesh that steps go on with; None: all unknowns."""
-        return self.modes
-
-    @property
     def sway_damping_ratio(self) -> float | None:
         """Ratio of critical damping of the first sway mode of a plate without a spring."""
         return None if self.on_spring else self.damping_ratio or None
@@ -359,8 +353,7 @@ class PlateSpec(Foundation):
         return replace(
             self,
             thickness=thickness_of(self.thickness, dimension, thickness),
-            cells=cells_of(self, dimension, PLATE_CELLS[dimension]),
-            cell=cell_of(self, dimension),
+            **cells_in(self.cells, self.cell, dimension, PLATE_CELLS[dimension]),
         )
 
     def shape(self, carried: float) -> Block:
@@ -579,11 +572,6 @@ class FrameSpec(Foundation):
     def moves_as_a_whole(self) -> bool:
         """The deck sways on its columns."""
         return True
-
-    @property
-    def reduced_modes(self) -> int | Literal["auto"] | None:
-        """Number of modes of its mesh that steps go on with; None: all unknowns."""
-        return self.modes
 
     @property
     def sway_damping_ratio(self) -> float | None:
