@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 import os
 import sys
@@ -211,10 +210,10 @@ class History:
         where = str(file)
         try:
             text = file.read_text(encoding="utf-8")
-            table = csv.reader(text[: text.rfind("\n") + 1].splitlines())
-            history = cls(next(table, []))
-            for row in table:
-                history.append([float(value) for value in row])
+            head, *lines = text[: text.rfind("\n") + 1].splitlines() or [""]
+            history = cls(head.split(",") if head else ())
+            if lines:
+                history.extend(np.loadtxt(lines, delimiter=",", ndmin=2))
             if (beside := file.with_name(EVENTS)).is_file():
                 history.events = read_events(beside)
         except OSError as error:

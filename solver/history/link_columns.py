@@ -64,19 +64,16 @@ class LinkRows:
         states = LinkStates.split(self._d, numbers)
         flowed = np.any(states.plastic != 0, axis=2)
         for number, spec in enumerate(self._specs):
-            about: dict[str, Any] = {
-                "block": spec.joined[0],
-                "meets": spec.joined[1],
-                "where": spec.name,
-            }
+            block, meets = spec.joined
+            about: dict[str, Any] = {"block": block, "meets": meets, "where": spec.name}
             for row in np.flatnonzero(np.diff(flowed[:, number])):
-                force = math.nan if spec.yields is None else spec.yields
+                force = spec.yields or math.nan
                 yield Event(time_s=float(times[row]), kind="yield", **about, force_N=force)
-            for row in np.flatnonzero(np.diff(states.broken[:, number])):
+            for row in np.flatnonzero(np.diff(states.broken[:, number])) + 1:
                 yield Event(
-                    time_s=float(states.broken_at[row + 1, number]),
+                    time_s=float(states.broken_at[row, number]),
                     kind="break",
                     **about,
-                    energy_lost_J=float(states.lost[row + 1, number]),
-                    force_N=math.nan if spec.strength is None else spec.strength,
+                    energy_lost_J=float(states.lost[row, number]),
+                    force_N=spec.strength or math.nan,
                 )

@@ -108,7 +108,8 @@ class PairObserver(Resumable):
             own.impulse = own.impulse + whole.impulse
             own.normal = own.normal + whole.normal
             own.last = after.time
-            self._look_at_end(own, pair, after, place)
+            seen = self._relative(pair, after, place, own.normal)
+            own.departure, _, own.later_spin = seen
         return list(self._ended(after.time, after.time - before.time))
 
     def rest(self) -> list[Meeting]:
@@ -134,28 +135,29 @@ class PairObserver(Resumable):
         self, pair: tuple[int, int], before: State, place: Array, normal: Array
     ) -> Collision:
         """A collision that begins in the step after a state."""
-        n = normal / np.linalg.norm(normal)
-        (own, spin), (other, spin_other) = (self._velocity(k, before, place) for k in pair)
+        speed, brought, spin = self._relative(pair, before, place, normal)
         return Collision(
             begins=before.time,
-            approach=-float((own - other) @ n),
-            brought=-float(own @ n),
-            spin=spin - spin_other,
+            approach=-speed,
+            brought=-brought,
+            spin=spin,
             impulse=np.zeros(self._d),
             normal=np.zeros(self._d),
             last=before.time,
             departure=0.0,
-            later_spin=spin - spin_other,
+            later_spin=spin,
         )
 
-    def _look_at_end(
-        self, own: Collision, pair: tuple[int, int], after: State, place: Array
-    ) -> None:
-        """Take the velocities after a step for those after a collision."""
-        n = own.normal / np.linalg.norm(own.normal)
-        (one, spin), (other, spin_other) = (self._velocity(k, after, place) for k in pair)
-        own.departure = float((one - other) @ n)
-        own.later_spin = spin - spin_other
+    def _relative(
+        self, pair: tuple[int, int], state: State, place: Array, normal: Array
+    ) -> tuple[float, float, Array]:
+        """Speed of the first body along a normal and its spin, against the second, m/s and rad/s.
+
+        Between them the part of that speed which the first brings.
+        """
+        n = normal / np.linalg.norm(normal)
+        (own, spin), (other, spin_other) = (self._velocity(k, state, place) for k in pair)
+        return float((own - other) @ n), float(own @ n), spin - spin_other
 
     def _ended(self, time: float, dt: float) -> Iterator[Meeting]:
         """The collisions that are over by a time (s), after a step, or that go on for good."""
