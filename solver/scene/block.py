@@ -24,7 +24,6 @@ from solver.scene.checking import (
     exactly_one,
     is_open,
     only_where,
-    refuse_length,
     shown,
 )
 from solver.scene.contact import FrictionSpec
@@ -312,8 +311,6 @@ class BlockSpec(Checked):
 
         Where the density follows from the centre of mass, it must be negative nowhere.
         """
-        for part in self.parts:
-            refuse_length("parts", part.start, dimension)
         refuse_parts(self.parts, self._sizes(dimension))
         if self.inertia is not None:
             if isinstance(self.inertia, tuple) != (dimension == 3):
@@ -323,7 +320,6 @@ class BlockSpec(Checked):
             refuse_inertia(self.inertia)
         low, high = self._ends(dimension)
         if self.centre_of_mass is not None:
-            refuse_length("centre_of_mass", self.centre_of_mass, dimension)
             refuse_centre(self.centre_of_mass, low, high)
         if self.inertia is not None:
             body = self._body(dimension)
@@ -361,14 +357,15 @@ class BlockSpec(Checked):
         for key in ("offset_second", "tilt_direction_deg"):
             if dimension == 2 and getattr(self, key):
                 raise SceneError(key, shown(getattr(self, key)), "0 where dimension = 2")
-        refuse_length("position", self.position, dimension)
         sized = replace(self, **self._lengths_in(dimension))
         sized._feet_in(dimension)
         sized._check_spread(dimension)
+        still: Any = (0.0,) * dimension
+        spin = 0.0 if dimension == 2 else still
         return replace(
             sized,
-            velocity=self._velocity_in(dimension),
-            angular_velocity=self._spin_in(dimension),
+            velocity=still if is_open(self.velocity) else self.velocity,
+            angular_velocity=spin if is_open(self.angular_velocity) else self.angular_velocity,
             **self._cells_in(dimension),
         )
 
@@ -444,22 +441,6 @@ class BlockSpec(Checked):
         width = self.width if self.given_shape and self.given_shape.kind == "regular" else None
         height = self.height if self.given_shape and self.given_shape.kind == "cylinder" else None
         return Sizes(width, height, self.thickness or 1.0, self.density or 1.0)
-
-    def _velocity_in(self, dimension: Dimension) -> Vector:
-        if is_open(self.velocity):
-            return (0.0, 0.0) if dimension == 2 else (0.0, 0.0, 0.0)
-        refuse_length("velocity", self.velocity, dimension)
-        return self.velocity
-
-    def _spin_in(self, dimension: Dimension) -> Rotation:
-        given = self.angular_velocity
-        if is_open(given):
-            return 0.0 if dimension == 2 else (0.0, 0.0, 0.0)
-        if isinstance(given, tuple) != (dimension == 3):
-            allowed = "a finite number" if dimension == 2 else "3 values, each a finite number,"
-            where = f"{allowed} where dimension = {dimension}"
-            raise SceneError("angular_velocity", shown(given), where)
-        return given
 
     @property
     def carriers(self) -> tuple[str, ...]:

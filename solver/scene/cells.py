@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from geometry.block import Block
 from geometry.tags import FINER
 from solver.errors import SceneError
-from solver.scene.checking import refuse_length, shown
+from solver.scene.checking import shown
 from solver.scene.quantities import Cell, Cells, Dimension
 
 if TYPE_CHECKING:
@@ -36,7 +36,6 @@ def cells_in(
         SceneError: They do not fit.
     """
     shapes = SHAPES[dimension]
-    refuse_length("cells", cells, dimension, "a whole number, cells >= 1")
     if cell is not None and cell not in shapes:
         allowed = f"{' or '.join(map(shown, shapes))} where dimension = {dimension}"
         raise SceneError("cell", shown(cell), allowed)

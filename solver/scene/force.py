@@ -7,7 +7,7 @@ from itertools import pairwise
 from typing import Literal
 
 from solver.errors import SceneError, missing_key
-from solver.scene.checking import Checked, exactly_one, only_where, refuse_length, shown
+from solver.scene.checking import Checked, exactly_one, only_where, shown
 from solver.scene.names import refuse_name
 from solver.scene.quantities import Course, Dimension, Forces, Instant, Position, Pressure
 
@@ -66,9 +66,7 @@ class ForceSpec(Checked):
                 raise SceneError("table", shown(self.table), "one row or more, of growing times")
 
     def refuse_elsewhere(self, dimension: Dimension) -> None:
-        """Refuse a place, a force or a face that is not of the scene's dimension."""
-        for key in ("at", "force"):
-            refuse_length(key, getattr(self, key), dimension)
+        """Refuse a face that is not of the scene's dimension."""
         if dimension == 2 and self.face in ("front", "back"):
             raise SceneError("face", shown(self.face), '"left", "right", "top" or "bottom" in 2-D')
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, TypeAlias
 from geometry.block import Block
 from geometry.density import Tensor, Vector
 from solver.errors import SceneError, Statement, below, missing_key, not_applicable
-from solver.scene.checking import OPEN, Checked, is_open, only_where, refuse_length
+from solver.scene.checking import OPEN, Checked, is_open, only_where
 from solver.scene.mass import inertia_tensor
 from solver.scene.quantities import Density, Dimension, Length, Number, Place, Position
 
@@ -151,7 +151,6 @@ class ShapeSpec(Checked):
             if dimension == 2 and getattr(self, key) not in (None, ()):
                 other = {"cylinder": " (a disc: regular = 100)"}.get(key, "")
                 raise not_applicable(f"shape.{key}", f"3-D scenes only{other}")
-        refuse_length("shape.at", self.at, dimension)
         for part in self.union:
             part.in_dimension(dimension)
 
