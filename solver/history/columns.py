@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from itertools import groupby
-from typing import NamedTuple
 
 from solver.history.table import TABLE, Part
 from solver.types import Array
@@ -23,21 +22,21 @@ def columns(
     platform: bool = False,
     vertical: bool = False,
     second: bool = False,
-    structure: Structure | None = None,
+    structure: tuple[int, int] | None = None,
     links: Mapping[str, bool] | None = None,
     feet: Mapping[str, int] | None = None,
 ) -> tuple[str, ...]:
     """Names of all columns of the history of a scene, in their order, by the names of its blocks.
 
-    `platform`: whether what carries the blocks moves as a whole, and `structure` what it has where
-    it is meshed; `vertical`, `second`: whether the ground also moves up and down, or along the
-    second horizontal direction. `links`: of each link by its name whether it acts along axes;
-    `feet`: how many blocks have, by their names.
+    `platform`: whether what carries the blocks moves as a whole, and `structure` the numbers of its
+    storeys and columns where it is meshed; `vertical`, `second`: whether the ground also moves up
+    and down, or along the second horizontal direction. `links`: of each link by its name whether it
+    acts along axes; `feet`: how many blocks have, by their names.
     """
     links = links or {}
     exists = {"": True, "axes": True, "vertical": vertical, "second": second}
     exists["structure"] = structure is not None
-    storeys, standing = structure or Structure()
+    storeys, standing = structure or (0, 0)
     owners: dict[Part, Sequence[str]] = {
         "run": [""],
         "block": blocks,
@@ -58,15 +57,6 @@ def columns(
         for column in own
         if column.needs != "axes" or links[owner]
     )
-
-
-class Structure(NamedTuple):
-    """Numbers of parts of a meshed foundation that moves as a whole; 0 for a plate on rollers."""
-
-    storeys: int = 0
-    """Number of storeys."""
-    columns: int = 0
-    """Number of columns that stand on the ground."""
 
 
 class Rows:

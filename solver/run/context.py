@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -129,19 +130,23 @@ class RunContext(Resumable):
     """The folder of the run, if there is one."""
     interruption: Interruption
     """Signals and the limit of wall time."""
-    watch: Watch
-    """Looks for blocks that overturn or fall, where that ends the run."""
-    recorder: Recorder
-    """Finds the events in the steps that are taken."""
     progress: ProgressReport | None
     """A display."""
     ground: GroundMotion
     """Motion of the ground, which checkpoints belong to."""
-
+    watch: Watch = field(init=False)
+    """Looks for blocks that overturn or fall, where that ends the run."""
+    recorder: Recorder = field(init=False)
+    """Finds the events in the steps that are taken."""
     pairs: PairTable | None = None
     """Takes the rows of pairs of bodies, where the scene requests them."""
     waiting: tuple[Array, Array] | None = None
     """The last row and its pairs, where the history does not have them: they may be the end."""
+
+    def __post_init__(self) -> None:
+        """Nothing is seen so far."""
+        self.watch = Watch(self.scene)
+        self.recorder = Recorder(self.scene, self.history.columns)
 
     def begin(self, engine: Engine, resumed: Checkpoint | None) -> None:
         """Record the start, or go on from a checkpoint."""
@@ -157,6 +162,19 @@ class RunContext(Resumable):
         self.files.log(f"resumed at t = {resumed.time:.6g} s")
 
     def loop(self, engine: Engine) -> tuple[str, str]:
+        """Step to the end, and find all events; returns status and reason."""
+        if self.progress is not None:
+            self.progress.begin(engine.time)
+        gc.freeze()  # what dolfinx and UFL have loaded is no garbage: 5 % of a small step
+        try:
+            ended = self._steps(engine)
+            self.history.events = self.recorder.finish()
+            self.files.flush()
+        finally:
+            gc.unfreeze()
+        return ended
+
+    def _steps(self, engine: Engine) -> tuple[str, str]:
         """Step to the end; returns status and reason."""
         files = self.files
         if self.scene.output.pairs:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
@@ -19,11 +18,9 @@ from solver.history.history import History, scene_columns
 from solver.info import versions
 from solver.parallel import Comm, Single, on_first_rank, world
 from solver.results.cautions import cautions_of_input
-from solver.results.endings import Watch
-from solver.results.events import Recorder
 from solver.results.report import told_lines
 from solver.results.summary import summarise
-from solver.run.checkpoint import Checkpoint, read_checkpoint
+from solver.run.checkpoint import read_checkpoint
 from solver.run.context import Engine, ProgressReport, RunContext
 from solver.run.files import RunFiles
 from solver.run.folders import renew_folder
@@ -121,12 +118,42 @@ def simulate(
             stack.callback(progress.close)
         engine = engine_for(scene, ground, files, petsc_options, comm)
         history = files.open_history(scene_columns(scene))
-        watch, recorder = Watch(scene), Recorder(scene, history.columns)
-        context = RunContext(scene, history, files, interruption, watch, recorder, progress, ground)
+        context = RunContext(scene, history, files, interruption, progress, ground)
         cautions = [*engine.remarks, *cautions_of_input(scene, ground)]
-        until = None if seconds is None else began + seconds
-        twin = partial(_twin, comm=comm, until=until, petsc_options=petsc_options)
-        status, summary = _run(engine, context, began, cautions, resumed, twin)
+        for where, part in zip(scene.directions, ground.parts, strict=True):
+            if isinstance(part, SampledMotion) and part.source:
+                files.log(f"{where}: {part.source}")
+        for text in cautions:
+            files.log(f"caution: {text}")
+        context.begin(engine, resumed)
+        files.start(engine.open_fields, engine.description)
+        ready, written = time.perf_counter(), files.output_seconds
+        status, reason = context.loop(engine)
+        stepped = time.perf_counter() - ready - (files.output_seconds - written)
+        cost = {
+            "wall_s": stepped,
+            "setup_s": ready - began - written,
+            "output_s": files.output_seconds,
+            **engine.cost(),
+        }
+        summary = summarise(
+            scene,
+            history,
+            status=status,
+            cost=cost,
+            versions=versions(),
+            reason=reason,
+            cautions=cautions,
+            ground=ground,
+            contacts=engine.contacts(),
+        )
+        if scene.output.twin and status == "completed":
+            until = None if seconds is None else began + seconds
+            twin = partial(_twin, comm=comm, until=until, petsc_options=petsc_options)
+            summary["horizon"] = horizon_beside(scene, history, twin)
+        for line in told_lines(summary):
+            files.log(line)
+        files.finish(summary, f"{status}{': ' if reason else ''}{reason}")
     return Result(status, history, summary)
 
 
@@ -154,61 +181,3 @@ def _twin(
     alike: dict[str, Any] = {"comm": comm, "petsc_options": petsc_options}
     run = simulate(scene, seconds=left, **alike)
     return run.status, run.history
-
-
-def _run(
-    engine: Engine,
-    context: RunContext,
-    began: float,
-    cautions: Sequence[str],
-    resumed: Checkpoint | None,
-    twin: Callable[[Scene], tuple[str, History]],
-) -> tuple[str, dict[str, Any]]:
-    """From the first row to the summary; returns status and summary.
-
-    The engine is set up, the history empty, and the run `began` at a time of the performance
-    counter, s, with these cautions; it may go on from a checkpoint. `twin` runs
-    the twin of the scene, if it has one.
-    """
-    scene, history, files = context.scene, context.history, context.files
-    for where, part in zip(scene.directions, context.ground.parts, strict=True):
-        if isinstance(part, SampledMotion) and part.source:
-            files.log(f"{where}: {part.source}")
-    for text in cautions:
-        files.log(f"caution: {text}")
-    context.begin(engine, resumed)
-    files.start(engine.open_fields, engine.description)
-    ready, written = time.perf_counter(), files.output_seconds
-    if context.progress is not None:
-        context.progress.begin(0.0 if resumed is None else resumed.time)
-    gc.freeze()  # what dolfinx and UFL have loaded is no garbage: 5 % of a small step
-    try:
-        status, reason = context.loop(engine)
-        history.events = context.recorder.finish()
-        files.flush()
-    finally:
-        gc.unfreeze()
-    loop = time.perf_counter() - ready - (files.output_seconds - written)
-    cost = {
-        "wall_s": loop,
-        "setup_s": ready - began - written,
-        "output_s": files.output_seconds,
-        **engine.cost(),
-    }
-    summary = summarise(
-        scene,
-        history,
-        status=status,
-        cost=cost,
-        versions=versions(),
-        reason=reason,
-        cautions=cautions,
-        ground=context.ground,
-        contacts=engine.contacts(),
-    )
-    if scene.output.twin and status == "completed":
-        summary["horizon"] = horizon_beside(scene, history, twin)
-    for line in told_lines(summary):
-        files.log(line)
-    files.finish(summary, f"{status}{': ' if reason else ''}{reason}")
-    return status, summary

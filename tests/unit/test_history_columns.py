@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from solver.history.block_columns import lean_in_space
-from solver.history.columns import Structure, columns
+from solver.history.columns import columns
 from solver.history.engine_rows import rows_of
 from solver.history.table import TABLE
 
@@ -24,7 +24,7 @@ def test_each_owner_has_the_columns_of_its_part(dimension: int, platform: bool) 
         platform=platform,
         vertical=True,
         second=dimension == 3,
-        structure=Structure(storeys=2, columns=3) if platform else None,
+        structure=(2, 3) if platform else None,
         links={"wire": True, "wax": True},
         feet={"b": 2},
     )
