@@ -37,7 +37,7 @@ ORDER = (
 )
 """Packages from the top down: each imports only from itself and from those before it."""
 
-SHARED = frozenset({"arguments", "errors", "info", "parallel", "types"})
+SHARED = frozenset({"arguments", "errors", "info", "parallel", "resumable", "types"})
 """Modules at the root of `solver/` that every package may use."""
 
 

@@ -328,15 +328,14 @@ def _stem(scene: Path) -> str:
 def show_info(options: argparse.Namespace) -> int:
     """`rockslip info`: every rank starts MPI, the first one prints."""
     from solver.bodies.memory import limits_in_words
-    from solver.info import description
+    from solver.info import description, table
     from solver.kernels.library import library
 
     lines = description()
     lines.append(("kernels", f"{library().SOURCES} ({library().__file__})"))
     lines.append(("linear solver", limits_in_words(int(dict(lines)["ranks"]))))
     if launched_rank() == 0:
-        width = max(len(name) for name, _ in lines) + 2
-        say("".join(f"{name:{width}}{value}\n" for name, value in lines))
+        say(table(lines))
     return OutputTrouble.exit_code if FULL else 0
 
 

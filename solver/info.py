@@ -1,10 +1,11 @@
-"""Versions, ranks and linear algebra that the program runs on."""
+"""Versions, ranks and linear algebra that the program runs on; names and values as a table."""
 
 from __future__ import annotations
 
 import importlib
 import platform
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -114,3 +115,9 @@ def blas_libraries(maps: Path = Path("/proc/self/maps")) -> list[str]:
     fields = [line.split(maxsplit=5) for line in maps.read_text().splitlines()]
     loaded = {Path(field[5]) for field in fields if len(field) == 6}
     return sorted(str(file) for file in loaded if file.name.startswith(BLAS_LIBRARIES))
+
+
+def table(lines: Sequence[tuple[str, str]]) -> str:
+    """Names and values in two columns."""
+    width = max(len(name) for name, _ in lines) + 2
+    return "".join(f"{name:{width}}{value}\n" for name, value in lines)

@@ -265,7 +265,7 @@ def foundation(
         """The foundation on a mesh, if it has one."""
         return _built(scene.foundation, scene, number, own)
 
-    if scene.foundation.reduced_modes is None:
+    if scene.foundation.modes is None:
         return meshed(comm)
     ground = ground or read_ground(scene, comm)
     return reduced_foundation(scene, number, comm, ground, meshed)
@@ -463,7 +463,7 @@ def _reduced(scene: Scene, full: FoundationBody, ground: GroundMotion) -> Reduce
     columns = COLUMNS * len(kept) * d
     require(8.0 * columns * body.size, f"{body.name}: reducing it", REMEDY, body.comm)
     interface = FixedInterface(about, _unknowns(kept, d), _unknowns(top[touched], d), d)
-    asked = scene.foundation.reduced_modes
+    asked = scene.foundation.modes
     basis = interface.basis(None if asked == "auto" else asked, frequency)
     shapes = Shapes(interface, basis, body.mass, d)
     held = np.flatnonzero(np.isin(interface.kept, body.fixed))

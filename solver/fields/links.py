@@ -47,8 +47,8 @@ class LinkFields:
         part = Part(points=in_space(self._mesh), nodes=numbers, kind=LINE)
         self._writer = files.body(LINKS, part)
         columns = COLUMNS[: 2 + scene.dimension]
-        self._names = [f"{link.name}.{name}" for link in scene.links for name in columns]
-        self._rows = LinkRows(scene.links, self._names, scene.dimension)
+        self._names = [[f"{link.name}.{name}" for link in scene.links] for name in columns]
+        self._rows = LinkRows(scene.links, scene.dimension)
 
     def ends_by(self, frames: Mapping[str, Pose]) -> Array:
         """Where the ends of all links are, (links, 2, d), m.
@@ -71,9 +71,10 @@ class LinkFields:
             ends: Where their ends are, (links, 2, d), m.
             numbers: Of all links, as `LinkStates.split` takes them apart.
         """
-        row: Array = np.zeros((1, len(self._names)))
-        self._rows.write(row, numbers[None])
-        extension, state, tension, *shear = row.reshape(len(self._scene.links), -1).T
+        known, none = self._rows.columns(numbers[None]), [0.0]
+        extension, state, tension, *shear = (
+            np.array([known.get(name, none)[0] for name in names]) for names in self._names
+        )
         means = {
             "tension": tension,
             "shear_force": np.linalg.norm(shear, axis=0),

@@ -11,11 +11,8 @@ from typing import Any
 import numpy as np
 
 from geometry.top import STEEPEST_TOP
-from solver.history.columns import positions
+from solver.history.engine_rows import along
 from solver.types import Array
-
-PLANE, SPACE = positions("block", 2), positions("block", 3)
-"""Places of the columns within the part of a block."""
 
 
 def has_lost_carrier(level: Any, height: Any, half: float) -> Any:
@@ -35,26 +32,47 @@ def lean_in_space(rotation: Array, before: float) -> float:
     return float(lean + 2 * math.pi * np.round((before - lean) / (2 * math.pi)))
 
 
-def write_plane_motion(row: Array, angle: Any, spin: Any, centre: Array) -> None:
-    """Fill in the columns of a block in the plane that follow from its motion.
+def plane_motion(angle: Any, spin: Any, centre: Array) -> dict[str, Any]:
+    """The columns of a block in the plane that follow from its motion, by their names within it.
 
-    By its angle (rad), its angular velocity (rad/s) and its centre (m); or, as all of them, by
-    arrays over rows, which then are the second axis of `row`.
+    By its angle (rad), its angular velocity (rad/s) and its centre (m); or by arrays over steps.
     """
-    row[PLANE.angle_rad], row[PLANE.angular_velocity_rad_s] = angle, spin
-    row[PLANE.centre_x_m], row[PLANE.centre_y_m] = centre[0], centre[1]
+    return {
+        "angle_rad": angle,
+        "angular_velocity_rad_s": spin,
+        **along("centre_{}_m", centre, "xy"),
+    }
 
 
-def write_space_motion(row: Array, angles: Array, spin: Array, centre: Array) -> None:
-    """Fill in the columns of a block in space that follow from its motion.
+def space_motion(lean: Any, turn: Array, spin: Array, centre: Array) -> dict[str, Any]:
+    """The columns of a block in space that follow from its motion, by their names within it.
 
-    By lean and rotation vector (rad), angular velocity in space (rad/s) and centre (m); rows as in
-    `write_plane_motion`.
+    By lean and rotation vector (rad), angular velocity in space (rad/s) and centre (m); or by
+    arrays over steps.
     """
-    row[SPACE.angle_rad], row[SPACE.angle_x_rad] = angles[0], angles[1]
-    row[SPACE.angle_y_rad], row[SPACE.angle_z_rad] = angles[2], angles[3]
-    row[SPACE.angular_velocity_x_rad_s] = spin[0]
-    row[SPACE.angular_velocity_y_rad_s] = spin[1]
-    row[SPACE.angular_velocity_z_rad_s] = spin[2]
-    row[SPACE.centre_x_m], row[SPACE.centre_y_m] = centre[0], centre[1]
-    row[SPACE.centre_z_m] = centre[2]
+    return {
+        "angle_rad": lean,
+        **along("angle_{}_rad", turn, "xyz"),
+        **along("angular_velocity_{}_rad_s", spin, "xyz"),
+        **along("centre_{}_m", centre, "xyz"),
+    }
+
+
+def contact_columns(slip: Array, gaps: Array, depth: Any, force: Array) -> dict[str, Any]:
+    """The columns of a block on what carries it, by their names within it.
+
+    By slip (m), gaps of its bottom corners (m), the largest penetration (m), and the force on it
+    (N), normal and along its carrier; or by arrays over steps.
+    """
+    corners = ("left", "right") if len(gaps) == 2 else "1234"
+    return {
+        **along("slip{}_m", slip),
+        **along("gap_{}_m", gaps, corners),
+        "penetration_m": depth,
+        **force_columns(force),
+    }
+
+
+def force_columns(force: Array) -> dict[str, Any]:
+    """The columns of a force on a block or a foot, N: normal, and along x and y of its carrier."""
+    return {"normal_force_N": force[0], **along("friction_force{}_N", force[1:])}

@@ -1,28 +1,17 @@
-"""Names of the columns of a history and their places in rows, by the one table of columns."""
+"""Names of the columns of a history, by the one table of columns, and rows by these names."""
 
 from __future__ import annotations
 
-from collections import namedtuple
 from collections.abc import Mapping, Sequence
-from functools import cache
 from itertools import groupby
-from typing import Any, NamedTuple
-
-import numpy as np
 
 from solver.history.table import TABLE, Part
 from solver.types import Array
 
-
-def _energies(kind: str) -> tuple[str, ...]:
-    """Names of the energies of a kind, such as "kinetic"."""
-    return tuple(column.field.removesuffix("_J") for column in TABLE if column.energy == kind)
-
-
-STORED_ENERGIES = _energies("stored")
+STORED_ENERGIES = ("kinetic", "strain", "gravity", "spring", "interface")
 """Energies whose sum is `energy.total_J`."""
 
-DISSIPATED_ENERGIES = _energies("dissipated")
+DISSIPATED_ENERGIES = ("friction", "damping", "contact_damping", "contact", "numerical")
 """Names of the energies dissipated since the start, each from its own formula."""
 
 
@@ -33,85 +22,41 @@ def columns(
     platform: bool = False,
     vertical: bool = False,
     second: bool = False,
-    structure: Structure | None = None,
+    structure: tuple[int, int] | None = None,
     links: Mapping[str, bool] | None = None,
     feet: Mapping[str, int] | None = None,
 ) -> tuple[str, ...]:
     """Names of all columns of the history of a scene, in their order, by the names of its blocks.
 
-    `platform`: whether what carries the blocks moves as a whole, and `structure` what it has where
-    it is meshed; `vertical`, `second`: whether the ground also moves up and down, or along the
-    second horizontal direction. `links`: of each link by its name whether it acts along axes;
-    `feet`: how many blocks have, by their names.
+    `platform`: whether what carries the blocks moves as a whole, and `structure` the numbers of its
+    storeys and columns where it is meshed; `vertical`, `second`: whether the ground also moves up
+    and down, or along the second horizontal direction. `links`: of each link by its name whether it
+    acts along axes; `feet`: how many blocks have, by their names.
     """
     links = links or {}
-    exists = {"": True, "axes": True, "platform": platform, "vertical": vertical, "second": second}
+    exists = {"": True, "axes": True, "vertical": vertical, "second": second}
     exists["structure"] = structure is not None
-    storeys, standing = structure or Structure()
+    storeys, standing = structure or (0, 0)
     owners: dict[Part, Sequence[str]] = {
+        "run": [""],
         "block": blocks,
+        "platform": ["platform"] * platform,
+        "energy": ["energy"],
+        "foundation": ["foundation"] * platform,
         "storey": [f"foundation.storey_{k + 1}" for k in range(storeys)],
         "column": [f"foundation.column_{k + 1}" for k in range(standing)],
         "link": list(links),
         "foot": [f"{name}.foot_{k + 1}" for name, n in (feet or {}).items() for k in range(n)],
     }
     there = [c for c in TABLE if c.dimension in (None, dimension) and exists[c.needs]]
-    names: list[str] = []
-    for part, group in groupby(there, key=lambda column: column.part):
-        own = list(group)
-        if part not in owners:
-            names += [column.name for column in own]
-            continue
-        for name in owners[part]:
-            has = [c.name for c in own if c.needs != "axes" or links[name]]
-            names += [f"{name}.{column.partition('.')[2]}" for column in has]
-    return tuple(names)
-
-
-@cache
-def positions(part: Part, dimension: int) -> Any:
-    """Places of the columns of a part of a row within that part, as a named tuple of integers.
-
-    `positions("block", 2).angle_rad` is a place within the part of a block in the plane. The
-    engines' rows have the columns of all motions of the ground: those that a scene does not have
-    are left out when a row enters the history. Compiled code takes the tuple as a constant.
-    """
-    fields = [c.field for c in TABLE if c.part == part and c.dimension in (None, dimension)]
-    return namedtuple(f"{part.title()}Columns", fields)(*range(len(fields)))
-
-
-class Structure(NamedTuple):
-    """Numbers of parts of a meshed foundation that moves as a whole; 0 for a plate on rollers."""
-
-    storeys: int = 0
-    """Number of storeys."""
-    columns: int = 0
-    """Number of columns that stand on the ground."""
-
-
-class RowLayout(NamedTuple):
-    """Indices at which the parts of an engine's row begin: that of the run at 0."""
-
-    block: int
-    """The part of the first block."""
-    stride: int
-    """Number of columns of a block."""
-    platform: int
-    energy: int
-    foundation: int
-    """The parts of a structure, from here on: its own, that of each storey, of each column."""
-
-
-def row_layout(blocks: int, *, dimension: int, platform: bool) -> RowLayout:
-    """Indices at which the parts of a row with all motions of the ground begin.
-
-    `blocks` is their number; `platform` is true if what carries them moves as a whole.
-    """
-    energies = len(positions("energy", dimension))
-    first, stride = len(positions("run", dimension)), len(positions("block", dimension))
-    after = first + blocks * stride
-    moving = len(positions("platform", dimension)) if platform else 0
-    return RowLayout(first, stride, after, after + moving, after + moving + energies)
+    return tuple(
+        f"{owner}.{column.name.partition('.')[2]}" if owner else column.name
+        for part, group in groupby(there, key=lambda column: column.part)
+        for own in [list(group)]
+        for owner in owners[part]
+        for column in own
+        if column.needs != "axes" or links[owner]
+    )
 
 
 class Rows:
@@ -129,14 +74,3 @@ class Rows:
     def __getitem__(self, column: str) -> Array:
         """One column, over the rows."""
         return self._rows[:, self._place[column]]
-
-
-def check_filled(names: Sequence[str], rows: Array) -> None:
-    """Make sure that an engine has filled all columns of the rows that it began as nan.
-
-    Raises:
-        ValueError: Names the columns that are nan in every row.
-    """
-    empty = [names[k] for k in np.flatnonzero(np.isnan(rows).all(axis=0))] if len(rows) else []
-    if empty:
-        raise ValueError(f"no value for the columns {', '.join(empty)}")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 import os
 import sys
@@ -15,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.errors import SceneError, of_file
-from solver.history.columns import Structure, columns
+from solver.history.columns import columns
 from solver.history.events import NAME as EVENTS
 from solver.history.events import Event, read_events
 from solver.scene import Scene
@@ -27,12 +26,6 @@ CHUNK = 256
 #: Rows of memory that are taken in one go. A table that doubles would be copied, and its old
 #: copies stay with the process.
 BLOCK = 4096
-
-
-def structure_of(scene: Scene) -> Structure | None:
-    """Storeys and columns of the foundation of a scene; None where it is no structure."""
-    parts = scene.foundation.structure(scene.dimension)
-    return None if parts is None else Structure(*parts)
 
 
 def scene_columns(scene: Scene) -> tuple[str, ...]:
@@ -47,7 +40,7 @@ def scene_columns(scene: Scene) -> tuple[str, ...]:
         platform=scene.carrier_moves,
         vertical=motion is not None and motion.vertical is not None,
         second=motion is not None and motion.second is not None,
-        structure=structure_of(scene),
+        structure=scene.foundation.structure(scene.dimension),
         links={link.name: not link.is_axial for link in scene.links},
         feet={block.name: block.shape.feet for block in scene.blocks},
     )
@@ -211,10 +204,10 @@ class History:
         where = str(file)
         try:
             text = file.read_text(encoding="utf-8")
-            table = csv.reader(text[: text.rfind("\n") + 1].splitlines())
-            history = cls(next(table, []))
-            for row in table:
-                history.append([float(value) for value in row])
+            head, *lines = text[: text.rfind("\n") + 1].splitlines() or [""]
+            history = cls(head.split(",") if head else ())
+            if lines:
+                history.extend(np.loadtxt(lines, delimiter=",", ndmin=2))
             if (beside := file.with_name(EVENTS)).is_file():
                 history.events = read_events(beside)
         except OSError as error:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from solver.history.engine_rows import along
 from solver.history.events import Event
 from solver.kernels.world import LinkStates
 from solver.law.links import laws_of
@@ -21,28 +22,23 @@ SLACK, TAUT, FLOWED, BROKEN = range(4)
 class LinkRows:
     """Writer of the columns of links, and of what happens to them."""
 
-    def __init__(self, specs: Sequence[LinkSpec], columns: Sequence[str], d: int):
-        """Find their columns in rows of a history in d dimensions."""
+    def __init__(self, specs: Sequence[LinkSpec], d: int):
+        """Find their laws in d dimensions."""
         self._specs, self._d = specs, d
         self._laws = [laws_of(spec, d) for spec in specs]
-        place = {name: number for number, name in enumerate(columns)}
-        shear = ("shear_force_N", "shear_force_second_N")[: d - 1]
-        self._at = [
-            [place[f"{spec.name}.{name}"] for name in ("extension_m", "state", "force_N")]
-            + [place[f"{spec.name}.{name}"] for name in shear if not spec.is_axial]
-            for spec in specs
-        ]
 
-    def write(self, rows: Array, numbers: Array) -> None:
-        """Fill in the columns by the numbers of all links at the ends of steps."""
-        states = LinkStates.split(self._d, numbers)
-        for number, (spec, at) in enumerate(zip(self._specs, self._at, strict=True)):
+    def columns(self, numbers: Array) -> dict[str, Array]:
+        """The columns by the numbers of all links at the ends of steps."""
+        states, known = LinkStates.split(self._d, numbers), {}
+        for number, spec in enumerate(self._specs):
             own = 0 if spec.is_axial else self._d - 1
-            rows[:, at[0]] = states.extension[:, number, own]
-            rows[:, at[1]] = self._state(states, number)
-            rows[:, at[2]] = states.force[:, number, own]
-            for axis, place in enumerate(at[3:]):
-                rows[:, place] = states.force[:, number, axis]
+            known[f"{spec.name}.extension_m"] = states.extension[:, number, own]
+            known[f"{spec.name}.state"] = self._state(states, number)
+            known[f"{spec.name}.force_N"] = states.force[:, number, own]
+            if not spec.is_axial:
+                shear = states.force[:, number, : self._d - 1].T
+                known |= along(f"{spec.name}.shear_force{{}}_N", shear)
+        return known
 
     def _state(self, states: LinkStates, number: int) -> Array:
         """The states of a link; axes along which it is never slack count where it has no others."""
@@ -68,19 +64,16 @@ class LinkRows:
         states = LinkStates.split(self._d, numbers)
         flowed = np.any(states.plastic != 0, axis=2)
         for number, spec in enumerate(self._specs):
-            about: dict[str, Any] = {
-                "block": spec.joined[0],
-                "meets": spec.joined[1],
-                "where": spec.name,
-            }
+            block, meets = spec.joined
+            about: dict[str, Any] = {"block": block, "meets": meets, "where": spec.name}
             for row in np.flatnonzero(np.diff(flowed[:, number])):
-                force = math.nan if spec.yields is None else spec.yields
+                force = spec.yields or math.nan
                 yield Event(time_s=float(times[row]), kind="yield", **about, force_N=force)
-            for row in np.flatnonzero(np.diff(states.broken[:, number])):
+            for row in np.flatnonzero(np.diff(states.broken[:, number])) + 1:
                 yield Event(
-                    time_s=float(states.broken_at[row + 1, number]),
+                    time_s=float(states.broken_at[row, number]),
                     kind="break",
                     **about,
-                    energy_lost_J=float(states.lost[row + 1, number]),
-                    force_N=math.nan if spec.strength is None else spec.strength,
+                    energy_lost_J=float(states.lost[row, number]),
+                    force_N=spec.strength or math.nan,
                 )

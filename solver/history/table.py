@@ -1,8 +1,8 @@
 """The table of all columns of histories, which all engines fill by name.
 
 A new column is one entry of `TABLE`, and a line in `solver.history.block_columns` where it follows
-from a block's motion as a rigid body, else one in each engine. Names of the columns, their places
-in a row and the tables of docs/output.md follow from the table.
+from a block's motion as a rigid body, else one in each engine. Names of the columns, their order
+and the tables of docs/output.md follow from the table.
 """
 
 from __future__ import annotations
@@ -38,22 +38,14 @@ class Column:
     meaning: str
     dimension: Literal[2, 3] | None = None
     """The dimension of space in which it exists; None: both."""
-    needs: Literal["", "vertical", "second", "platform", "structure", "axes"] = ""
-    """The motion of the ground, the platform, its mesh, or the axes of a link, without which it
+    needs: Literal["", "vertical", "second", "structure", "axes"] = ""
+    """The motion of the ground, the mesh of a platform, or the axes of a link, without which it
     does not exist."""
-    energy: Literal["", "stored", "dissipated"] = ""
-    """Kind of the energy."""
 
     @property
     def part(self) -> Part:
         """The part of a row that it belongs to."""
         return PARTS.get(self.name.partition(".")[0], "run")
-
-    @property
-    def field(self) -> str:
-        """Its name within its part, as an identifier."""
-        own = self.name.partition(".")[2] if self.part != "run" else self.name
-        return own.replace(".", "_")
 
 
 TABLE = (
@@ -155,69 +147,47 @@ TABLE = (
         "platform.drift_m",
         "m",
         "Displacement along x relative to the ground; of a meshed platform the mean of its top.",
-        needs="platform",
     ),
-    Column("platform.velocity_m_s", "m/s", "Rate of this drift.", needs="platform"),
+    Column("platform.velocity_m_s", "m/s", "Rate of this drift."),
     Column(
         "platform.acceleration_m_s2",
         "m/s²",
         "Acceleration along x relative to the ground, the mean of the step. After impacts on a"
         " meshed foundation it may swing from row to row: take means over some, or floor spectra.",
-        needs="platform",
     ),
-    Column(
-        "platform.drift_second_m",
-        "m",
-        "Displacement along y relative to the ground.",
-        3,
-        "platform",
-    ),
-    Column("platform.velocity_second_m_s", "m/s", "Rate of this drift.", 3, "platform"),
+    Column("platform.drift_second_m", "m", "Displacement along y relative to the ground.", 3),
+    Column("platform.velocity_second_m_s", "m/s", "Rate of this drift.", 3),
     Column(
         "platform.acceleration_second_m_s2",
         "m/s²",
         "Acceleration along y relative to the ground, the mean of the step.",
         3,
-        "platform",
     ),
-    Column("energy.kinetic_J", "J", "Kinetic energy, relative to the ground.", energy="stored"),
-    Column("energy.strain_J", "J", "Strain energy of the meshed bodies.", energy="stored"),
+    Column("energy.kinetic_J", "J", "Kinetic energy, relative to the ground."),
+    Column("energy.strain_J", "J", "Strain energy of the meshed bodies."),
     Column(
         "energy.gravity_J",
         "J",
         "Potential energy of gravity, 0 at level 0, of plates and frames 0 where they are not"
         " deformed; on an incline 0 at the origin.",
-        energy="stored",
     ),
-    Column("energy.spring_J", "J", "Energy in links and a platform's spring.", energy="stored"),
+    Column("energy.spring_J", "J", "Energy in links and a platform's spring."),
     Column(
         "energy.interface_J",
         "J",
         "Energy of Nitsche's contact terms, which may be negative, and of the bed.",
-        energy="stored",
     ),
     Column("energy.input_J", "J", "Work of the moving ground, and of forces, since the start."),
-    Column("energy.friction_J", "J", "Dissipated by friction.", energy="dissipated"),
+    Column("energy.friction_J", "J", "Dissipated by friction."),
     Column(
         "energy.damping_J",
         "J",
         "Dissipated by material damping and the dashpot of the platform; by dashpots, flow and"
         " fracture of links.",
-        energy="dissipated",
     ),
-    Column(
-        "energy.contact_damping_J",
-        "J",
-        "Dissipated by the dashpots of beds.",
-        energy="dissipated",
-    ),
-    Column(
-        "energy.contact_J",
-        "J",
-        "Dissipated by impacts and by the velocity solve.",
-        energy="dissipated",
-    ),
-    Column("energy.numerical_J", "J", "Dissipated by time integration.", energy="dissipated"),
+    Column("energy.contact_damping_J", "J", "Dissipated by the dashpots of beds."),
+    Column("energy.contact_J", "J", "Dissipated by impacts and by the velocity solve."),
+    Column("energy.numerical_J", "J", "Dissipated by time integration."),
     Column("energy.total_J", "J", "Sum of the stored energies."),
     Column(
         "energy.ledger_error_J",
@@ -229,9 +199,8 @@ TABLE = (
         "N",
         "Force of the platform or structure on the ground along x, the mean of the step: less the"
         " sum of all masses times their absolute accelerations, plus all `[[force]]`.",
-        needs="platform",
     ),
-    Column("foundation.base_shear_second_N", "N", "That along y.", 3, needs="platform"),
+    Column("foundation.base_shear_second_N", "N", "That along y.", 3),
     Column(
         "foundation.overturning_moment_Nm",
         "N m",
@@ -251,42 +220,30 @@ TABLE = (
         "m",
         "Displacement along x of the storey's deck relative to the deck below, or to the"
         " ground; means of their tops.",
-        needs="structure",
     ),
-    Column("STOREY.drift_second_m", "m", "That along y.", 3, needs="structure"),
+    Column("STOREY.drift_second_m", "m", "That along y.", 3),
     Column(
         "STOREY.velocity_m_s",
         "m/s",
         "Velocity of the storey's deck along x relative to the ground.",
-        needs="structure",
     ),
-    Column("STOREY.velocity_second_m_s", "m/s", "That along y.", 3, needs="structure"),
+    Column("STOREY.velocity_second_m_s", "m/s", "That along y.", 3),
+    Column("COLUMN.shear_N", "N", "Force of the column's foot on the ground along x."),
+    Column("COLUMN.shear_second_N", "N", "That along y.", 3),
     Column(
-        "COLUMN.shear_N",
-        "N",
-        "Force of the column's foot on the ground along x.",
-        needs="structure",
-    ),
-    Column("COLUMN.shear_second_N", "N", "That along y.", 3, needs="structure"),
-    Column(
-        "COLUMN.axial_force_N",
-        "N",
-        "Force of the foot on the ground downwards, which is pressure.",
-        needs="structure",
+        "COLUMN.axial_force_N", "N", "Force of the foot on the ground downwards, which is pressure."
     ),
     Column(
         "COLUMN.moment_Nm",
         "N m",
         "Moment of the foot on the ground about the foot's centre, positive when it presses"
         " down the side at +x.",
-        needs="structure",
     ),
     Column(
         "COLUMN.moment_second_Nm",
         "N m",
         "That about x, positive when it presses down the side at +y.",
         3,
-        needs="structure",
     ),
     Column(
         "LINK.force_N",

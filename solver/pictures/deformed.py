@@ -42,7 +42,7 @@ from solver.pictures.style import (
     new_figure,
     stress_unit,
 )
-from solver.results.motion import block_motion
+from solver.results.motion import BlockMotion
 from solver.results.moving import moving_span
 from solver.results.rocking import swings
 from solver.results.runs import Run
@@ -84,7 +84,7 @@ def instants(run: Run) -> list[Instant]:
     end = Instant(last, "at rest" if last < run.history["time_s"][-1] else "end")
     entries = run.summary["blocks"]
     most = max(run.scene.blocks, key=lambda b: entries[b.name]["peak_angle_over_alpha"])
-    motion = block_motion(run.scene, run.history, most)
+    motion = BlockMotion(run.scene, run.history, most)
     found = swings(motion.time, motion.angle, motion.shape.slenderness())
     rolls = "roll" in entries[most.name]["mode"].split("-")
     if rolls or not found:

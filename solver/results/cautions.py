@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from solver.excitation.motion import GroundMotion
@@ -72,30 +72,28 @@ def cautions_of_input(scene: Scene, ground: GroundMotion) -> list[str]:
     ]
 
 
-def _densities(scene: Scene) -> list[str]:
+def _densities(scene: Scene) -> Iterator[str]:
     """Bodies lighter than foam or heavier than metals."""
-    low, high = DENSITIES
-    found = [
-        f"{block.name} weighs {block.shape.density:.3g} kg/m3: look at its lengths, in m, and at "
-        "its mass, in kg"
+    weighed = [
+        (block.name, block.shape.density, "its lengths, in m, and at its mass, in kg")
         for block in scene.blocks
-        if not low <= block.shape.density <= high
     ]
-    found += [
-        f"part {number} of {block.name} weighs {part.density:.3g} kg/m3: look at the unit of that"
+    weighed += [
+        (f"part {number} of {block.name}", part.density, "the unit of that")
         for block in scene.blocks
         for number, part in enumerate(block.parts, 1)
-        if not low <= part.density <= high
     ]
     below = scene.foundation.pressed_material(scene.material_plane, scene.carried_mass)
-    if below is not None and not low <= below.density <= high:
-        found.append(f"the foundation weighs {below.density:.3g} kg/m3: look at the unit of that")
-    return found
+    if below is not None:
+        weighed.append(("the foundation", below.density, "the unit of that"))
+    low, high = DENSITIES
+    for name, density, suspects in weighed:
+        if not low <= density <= high:
+            yield f"{name} weighs {density:.3g} kg/m3: look at {suspects}"
 
 
-def _hulls(scene: Scene) -> list[str]:
+def _hulls(scene: Scene) -> Iterator[str]:
     """Surfaces of files that contacts do not see as they are."""
-    found = []
     for block in scene.blocks:
         solid, spec = block.shape.solid, block.given_shape
         if solid is None or spec is None:
@@ -113,8 +111,7 @@ def _hulls(scene: Scene) -> list[str]:
             seen = f"larger than its surface {larger}, as {what}: "
             seen += "others touch it where it is hollow"
         parts = "; give parts as shape.union" if spec.kind == "file" else ""
-        found.append(f"contacts see {block.name} {seen}{parts}")
-    return found
+        yield f"contacts see {block.name} {seen}{parts}"
 
 
 def _excess_of_hull(solid: Solid) -> float:
@@ -126,14 +123,14 @@ def _excess_of_hull(solid: Solid) -> float:
     return of_surface(solid.surface, 1.0, parts="hull").hull_excess
 
 
-def _hollows(scene: Scene) -> list[str]:
+def _hollows(scene: Scene) -> Iterator[str]:
     """Blocks that stand on others, meshed, which meet by their hulls though they are not convex."""
     if scene.is_rigid:
-        return []
+        return
     from solver.scene.places import standing_part  # numpy and more
 
     known = {block.name: block for block in scene.blocks}
-    found, placed = list[str](), scene.poses()
+    placed = scene.poses()
     for upper in scene.blocks:
         for lower in (known[name] for name in upper.carriers if name in known):
             if standing_part(upper, lower, placed, scene.dimension) is not None:
@@ -142,12 +139,11 @@ def _hollows(scene: Scene) -> list[str]:
             for block, counts in ((lower, True), (upper, narrow)):
                 solid = block.shape.solid
                 if counts and solid is not None and len(solid.parts) > 1:
-                    found.append(
+                    yield (
                         f"{upper.name} and {lower.name}, which carries it, meet by the faces of"
                         f" their convex hulls, beside a meshed body: they do not touch within the"
                         f" hollows of {block.name}"
                     )
-    return found
 
 
 def percent(part: float) -> str:
@@ -155,45 +151,39 @@ def percent(part: float) -> str:
     return f"{100 * part:.2g}" if part < 1 else f"{100 * part:.0f}"
 
 
-def _soft_materials(scene: Scene) -> list[str]:
+def _soft_materials(scene: Scene) -> Iterator[str]:
     """Bodies softer than rubber."""
     plane = scene.material_plane
     bodies = {each.name: each.material(plane) for each in _elastic(scene)}
     below = scene.foundation.pressed_material(plane, scene.carried_mass)
     if below is not None:
         bodies["the foundation"] = below
-    return [
-        f"{name} has a Young's modulus of {material.young:.3g} Pa, that of rubber or less: look at "
-        "its unit"
-        for name, material in bodies.items()
-        if material.young < SOFTEST
-    ]
+    for name, material in bodies.items():
+        if material.young < SOFTEST:
+            modulus = f"a Young's modulus of {material.young:.3g} Pa"
+            yield f"{name} has {modulus}, that of rubber or less: look at its unit"
 
 
-def _gravity(scene: Scene) -> list[str]:
+def _gravity(scene: Scene) -> Iterator[str]:
     """Gravity that is rather in another unit."""
-    if scene.gravity <= LARGEST_GRAVITY:
-        return []
-    return [f"gravity is {scene.gravity:g} m/s2, {scene.gravity / G_UNIT:.3g} g: look at its unit"]
+    if scene.gravity > LARGEST_GRAVITY:
+        yield f"gravity is {scene.gravity:g} m/s2, {scene.gravity / G_UNIT:.3g} g: look at its unit"
 
 
-def _friction_jumps(scene: Scene) -> list[str]:
+def _friction_jumps(scene: Scene) -> Iterator[str]:
     """Elastic blocks whose friction falls from its static to its dynamic value at once."""
-    found = []
     for block in _elastic(scene):
         law = scene.friction_of(block)
         if law.static != law.dynamic and not law.decays:
-            found.append(
+            yield (
                 f"friction of {block.name} falls from {law.static:g} to {law.dynamic:g} at once: "
                 "an elastic block breaks loose point by point then, and how far it slips depends "
                 "on mesh, step and damping; the paper avoids it, too: give decay"
             )
-    return found
 
 
-def _strong_motions(scene: Scene, ground: GroundMotion) -> list[str]:
+def _strong_motions(scene: Scene, ground: GroundMotion) -> Iterator[str]:
     """Motions with accelerations that no ground has had."""
-    found = []
     for where, part in zip(scene.directions, ground.parts, strict=True):
         if part is None or part.peak <= STRONGEST_G * G_UNIT:
             continue
@@ -201,74 +191,66 @@ def _strong_motions(scene: Scene, ground: GroundMotion) -> list[str]:
         if isinstance(part, SampledMotion):
             at = f", in {part.largest}" if part.largest else ""
             suspects = "its units, its scale and its decimal points"
-        found.append(
+        yield (
             f"{where} reaches {part.peak / G_UNIT:.4g} g{at}: more than {STRONGEST_G:g} g has "
             f"hardly been recorded; look at {suspects}"
         )
-    return found
 
 
-def _motions_beyond_the_end(scene: Scene, ground: GroundMotion) -> list[str]:
+def _motions_beyond_the_end(scene: Scene, ground: GroundMotion) -> Iterator[str]:
     """Motions that begin after the end of a run, or end after it."""
     end = scene.time.end * (1 + 1e-9)
-    late = [(where, getattr(spec, "start", 0.0)) for where, spec in scene.motions]
-    found = [
-        f"{where} begins at {start:g} s, after the run ends at {scene.time.end:g} s"
-        for where, start in late
-        if start > end
-    ]
+    starts = {where: getattr(spec, "start", 0.0) for where, spec in scene.motions}
+    late = {where: start for where, start in starts.items() if start > end}
+    for where, start in late.items():
+        yield f"{where} begins at {start:g} s, after the run ends at {scene.time.end:g} s"
     stop = motion_end(ground)
-    if not found and math.isfinite(stop) and stop > end:
-        found.append(f"the run ends at {scene.time.end:g} s, before its motion does at {stop:g} s")
-    return found
+    if not late and math.isfinite(stop) and stop > end:
+        yield f"the run ends at {scene.time.end:g} s, before its motion does at {stop:g} s"
 
 
-def _undersampled_motion(scene: Scene) -> list[str]:
+def _undersampled_motion(scene: Scene) -> Iterator[str]:
     """Steps too long to follow the motion of the ground or of a block, and what others cost."""
     span = scene.time
     longest = span.largest if span.adaptive else span.step
     if longest is None:
-        return []
+        return
     seen = [(spec.shortest_period, _shown_motion(where, spec)) for where, spec in scene.motions]
     seen += [(_quarter_period(scene, block), f"a swing of {block.name}") for block in scene.blocks]
     shortest, what = min(seen)
     # The longest of adaptive steps is taken only where the error allows it.
     fewest = FEWEST_STEPS_A_PERIOD / (2 if span.adaptive else 1)
-    if longest <= shortest / fewest * (1 + 1e-9):
-        return []
-    better = float(f"{shortest / STEPS_A_PERIOD:.1g}")
-    key = "time.largest" if span.adaptive else "time.step"
-    return [
-        f"steps of {longest:g} s, {shortest / longest:.2g} in the {shortest:.3g} s of {what}, do "
-        f"not see it: {key} = {better:g} does, in {span.end / better:.0f} steps instead of "
-        f"{span.end / longest:.0f}"
-    ]
+    if longest > shortest / fewest * (1 + 1e-9):
+        better = float(f"{shortest / STEPS_A_PERIOD:.1g}")
+        key = "time.largest" if span.adaptive else "time.step"
+        yield (
+            f"steps of {longest:g} s, {shortest / longest:.2g} in the {shortest:.3g} s of {what}, "
+            f"do not see it: {key} = {better:g} does, in {span.end / better:.0f} steps instead of "
+            f"{span.end / longest:.0f}"
+        )
 
 
-def _undersampled_links(scene: Scene) -> list[str]:
+def _undersampled_links(scene: Scene) -> Iterator[str]:
     """The stiffest link, where given steps are too long to follow what swings on it."""
     if not scene.links or scene.time.adaptive:
-        return []
+        return
     link = min(scene.links, key=scene.link_period)
     period, step = scene.link_period(link), scene.time.step
-    if step <= period / FEWEST_STEPS_A_PERIOD * (1 + 1e-9):
-        return []
-    better = float(f"{period / STEPS_A_PERIOD:.1g}")
-    return [
-        f"steps of {step:g} s, {period / step:.2g} in the {period:.3g} s in which its bodies swing "
-        f"on {link.name}, do not follow that: its forces are means, and time.step = {better:g} "
-        "shows them"
-    ]
+    if step > period / FEWEST_STEPS_A_PERIOD * (1 + 1e-9):
+        better = float(f"{period / STEPS_A_PERIOD:.1g}")
+        yield (
+            f"steps of {step:g} s, {period / step:.2g} in the {period:.3g} s in which its bodies "
+            f"swing on {link.name}, do not follow that: its forces are means, and time.step = "
+            f"{better:g} shows them"
+        )
 
 
-def _forces_beyond_the_end(scene: Scene) -> list[str]:
+def _forces_beyond_the_end(scene: Scene) -> Iterator[str]:
     """Forces that go on changing after the end of a run."""
-    end = scene.time.end
-    return [
-        f"the run ends at {end:g} s, before {force.name} is what it becomes at {force.settled:g} s"
-        for force in scene.forces
-        if force.settled > end * (1 + 1e-9)
-    ]
+    end = f"the run ends at {scene.time.end:g} s"
+    for force in scene.forces:
+        if force.settled > scene.time.end * (1 + 1e-9):
+            yield f"{end}, before {force.name} is what it becomes at {force.settled:g} s"
 
 
 def _shown_motion(where: str, spec: MotionSpec) -> str:
@@ -324,7 +306,7 @@ def _crossing_time(block: BlockSpec) -> float:
     return block.height / block.material("stress").wave_speed
 
 
-def cautions_of_run(scene: Scene, loss: Mapping[str, float], scale: float) -> list[str]:
+def cautions_of_run(scene: Scene, loss: Mapping[str, float], scale: float) -> Iterator[str]:
     """Cautions about a run of meshed bodies, by its losses and the scale of its balance, J.
 
     Where nothing deforms, contact takes what the law of impact gives, whatever the steps.
@@ -333,13 +315,13 @@ def cautions_of_run(scene: Scene, loss: Mapping[str, float], scale: float) -> li
     lost = sum(impact_losses(loss).values())
     deforms = scene.foundation.is_meshed or _elastic(scene)
     if not deforms or share <= UNRESOLVED or not lost > NOTABLE * scale:
-        return []
+        return
     by_law = ", ".join(block.name for block in scene.blocks if _lands_by_law(scene, block))
     besides = f" (or, for {by_law}, to the law of impact)" if by_law else ""
-    return [
+    yield (
         f"{100 * share:.0f} % of what impacts lost went to time integration and undamped contact"
         f"{besides}, so that step and mesh decide how long blocks rock{_remedy(scene)}"
-    ]
+    )
 
 
 def _lands_by_law(scene: Scene, block: BlockSpec) -> bool:
@@ -349,70 +331,66 @@ def _lands_by_law(scene: Scene, block: BlockSpec) -> bool:
     return block.model == "rigid" and firm
 
 
-def cautions_of_steps(scene: Scene, cost: Mapping[str, Any]) -> list[str]:
+def cautions_of_steps(scene: Scene, cost: Mapping[str, Any]) -> Iterator[str]:
     """Cautions about steps that are longer than the tolerance requires, by their counts."""
     coarse, steps = cost.get("coarse_steps", 0), cost.get("steps", 0)
-    if coarse <= MOST_COARSE * steps:
-        return []
-    return [
-        f"{coarse} of {steps} steps miss time.tolerance, since time.smallest = "
-        f"{scene.time.smallest:g} s allows none that are shorter"
-    ]
+    if coarse > MOST_COARSE * steps:
+        yield (
+            f"{coarse} of {steps} steps miss time.tolerance, since time.smallest = "
+            f"{scene.time.smallest:g} s allows none that are shorter"
+        )
 
 
-def cautions_of_end(scene: Scene, status: str, reason: str) -> list[str]:
+def cautions_of_end(scene: Scene, status: str, reason: str) -> Iterator[str]:
     """Cautions about a run that a block ended, which fell, or one of several, which overturned."""
     if status != "completed" or not reason:
-        return []
-    if len(scene.blocks) == 1:
-        caught = " fell " not in reason
-        return [] if caught else [f"{reason}: nothing catches it, and the run ends there"]
-    return [
-        f"the run ends before {scene.time.end:g} s ({reason}): other blocks are known up to then"
-    ]
+        return
+    if len(scene.blocks) > 1:
+        end = f"the run ends before {scene.time.end:g} s"
+        yield f"{end} ({reason}): other blocks are known up to then"
+    elif " fell " in reason:
+        yield f"{reason}: nothing catches it, and the run ends there"
 
 
-def cautions_of_impacts(scene: Scene, blocks: Mapping[str, Mapping[str, Any]]) -> list[str]:
+def cautions_of_impacts(scene: Scene, blocks: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
     """Cautions about impacts from which a block came faster, by the entries of a summary.
 
     On a foundation that deforms, but does not move as a whole.
     """
     if not scene.foundation.is_meshed or scene.carrier_moves:
-        return []
-    found = []
+        return
     for block in scene.blocks:
         impacts = blocks[block.name]["impacts"] if block.carrier == "foundation" else []
         faster = [i for i in impacts if i.get("ratio", 0.0) > FASTER]
         if faster:
             first = faster[0]
-            found.append(
+            yield (
                 f"{block.name} comes from its impact at {first['time_s']:.4g} s "
                 f"{first['ratio']:.3g} times as fast as it met it: the foundation vibrates, "
                 "and step, mesh and its damping decide what follows"
             )
-    return found
 
 
-def cautions_of_scene(scene: Scene, ground: GroundMotion) -> list[str]:
+def cautions_of_scene(scene: Scene, ground: GroundMotion) -> Iterator[str]:
     """Cautions that no run is needed for."""
-    found = [*cautions_of_input(scene, ground), *_undamped_foundation(scene)]
+    yield from cautions_of_input(scene, ground)
+    yield from _undamped_foundation(scene)
     if not _elastic(scene):
-        return found
+        return
     if _overruled(scene):
-        found.append("[damping] applies to no body: each block has its own damping")
+        yield "[damping] applies to no body: each block has its own damping"
     crossing = min(map(_crossing_time, _elastic(scene)))
     resolving = min(_resolving_step(scene, block) for block in _elastic(scene))
     if not scene.time.adaptive and scene.time.step > resolving:
-        found.append(
+        yield (
             f"sound crosses a block in {crossing:.2g} s, so that steps of {scene.time.step:g} s do "
             f"not resolve its impacts and decide what these lose{_remedy(scene)}"
         )
     elif _undamped(scene):
-        found.append(
+        yield (
             "nothing damps the blocks, so that what one impact shakes meets the next one and no "
             f"step resolves what that loses{_remedy(scene)}"
         )
-    return found
 
 
 def _resolving_step(scene: Scene, block: BlockSpec) -> float:
@@ -438,14 +416,13 @@ def _overruled(scene: Scene) -> bool:
     return scene.damping is not None and own and not scene.foundation.is_meshed
 
 
-def _undamped_foundation(scene: Scene) -> list[str]:
+def _undamped_foundation(scene: Scene) -> Iterator[str]:
     """A meshed foundation whose vibration lasts from one impact on it to the next."""
-    if not scene.foundation_vibrates or scene.contact.damping:
-        return []
-    return [
-        "nothing damps the foundation, so that what one impact shakes in it meets the next one and "
-        "decides what that loses: give foundation.damping.stiffness"
-    ]
+    if scene.foundation_vibrates and not scene.contact.damping:
+        yield (
+            "nothing damps the foundation, so that what one impact shakes in it meets the next one "
+            "and decides what that loses: give foundation.damping.stiffness"
+        )
 
 
 def _undamped(scene: Scene) -> list[BlockSpec]:

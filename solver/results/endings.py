@@ -32,6 +32,7 @@ from solver.results.motion import (
     top_axes,
     total_lean,
 )
+from solver.resumable import Resumable
 from solver.scene import BlockSpec, Scene
 from solver.types import Array, Indices, Mask
 
@@ -65,8 +66,10 @@ class Ending:
     """In words."""
 
 
-class Watch:
+class Watch(Resumable):
     """Looks at the rows of a run as they come, for what ends it."""
+
+    CARRIED = ("_before",)
 
     def __init__(self, scene: Scene):
         """Watch a scene from its start.
@@ -85,15 +88,6 @@ class Watch:
     def ends_runs(self) -> bool:
         """True if there is something to look for."""
         return bool(self._overturning or self._falling or self._leaving)
-
-    @property
-    def before(self) -> Array | None:
-        """The row that was looked at last, (1, columns); None before the first."""
-        return self._before
-
-    def resume(self, before: Array | None) -> None:
-        """Go on after a row of an earlier run."""
-        self._before = before
 
     def look(self, rows: Array) -> Ending | None:
         """The first of some rows, (n, columns), after which the run ends; None: it goes on."""
@@ -136,14 +130,6 @@ def overturned_at(history: Columns, block: BlockSpec) -> float | None:
         return None
     last = np.flatnonzero(held)
     return float(time[last[-1] + 1 if len(last) else 0])
-
-
-def fell_at(scene: Scene, history: Columns, block: BlockSpec) -> float | None:
-    """Time at which a block has fallen off what carried it, s; None where it has not."""
-    if not has_ends(scene, block):
-        return None
-    rows = np.flatnonzero(fallen(scene, history, block))
-    return float(history["time_s"][rows[0]]) if len(rows) else None
 
 
 def beyond_return(history: Columns, block: BlockSpec) -> Mask:

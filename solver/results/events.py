@@ -40,7 +40,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from functools import reduce
+from functools import cached_property, reduce
 from itertools import zip_longest
 from typing import Any, NamedTuple
 
@@ -56,17 +56,15 @@ from solver.results.motion import (
     CLEAR,
     SMALLEST_LIFT,
     SMALLEST_WAY,
+    BlockMotion,
     Columns,
     centres,
-    flights,
-    gaps_of,
-    is_spatial,
-    leaning,
     lost_carrier,
-    lowest_gap,
+    platform_drift,
     upright_axes,
 )
 from solver.results.rocking import Swing, begins, end_of, swings
+from solver.resumable import Resumable
 from solver.scene import BlockSpec, Scene
 from solver.scene.laws import GROUND
 from solver.types import Array, Indices
@@ -123,41 +121,61 @@ ENDS = "the run ends with it"
 CROWDED = "the next one follows at once"
 
 
-class _Motion(NamedTuple):
+class _Motion(BlockMotion):
     """A block in the upright plane in which it leans most, over steps."""
 
-    time: Array
-    """s."""
-    angle: Array
-    """Against what carries it, rad."""
-    turn: Array
-    """From upright, rad."""
-    place: Array
-    """Its centre along the plane and upwards, (rows, 2), m."""
-    shape: Block
-    """The block in that plane."""
-    aside: Array
-    """Lean out of the plane, rad."""
-    gaps: Array
-    """Gaps of the bottom corners, (rows, corners), m."""
-    low: Array
-    """Gap of the lowest corner, m."""
-    slip: Array
-    """Slip along the carrier, (rows, 1 or 2), m."""
-    normal: Array
-    """Normal force, N."""
-    pull: Array
-    """Gravity less the ground's acceleration, (rows, 2), m/s2."""
-    below: Array
-    """Centre of the block that carries it, or drift of the platform, (rows, 2), m."""
-    below_turn: Array
-    """Angle of what carries it, rad."""
-    along: Array
-    """Horizontal unit vector of the plane, (1,) or, in 3-D, (2,)."""
+    def _planar(self, place: Array) -> Array:
+        """Places along the plane and upwards."""
+        return np.stack([place[:, :-1] @ self.direction, place[:, -1]], axis=1)
+
+    def _turned(self, name: str) -> Array:
+        """Angle of a block from upright in the plane."""
+        if len(self._ways) == 1:
+            return self._rows[f"{name}.angle_rad"]
+        axes = upright_axes(self._rows, name)
+        return np.unwrap(np.arctan2(axes[:, :2] @ self.direction, axes[:, 2]))
+
+    @cached_property
+    def from_upright(self) -> Array:
+        """Angle from upright in the plane, rad."""
+        return self._turned(self._name)
+
+    @cached_property
+    def place(self) -> Array:
+        """Its centre along the plane and upwards, (rows, 2), m."""
+        return self._planar(centres(self._rows, self._name))
+
+    @cached_property
+    def pull(self) -> Array:
+        """Gravity less the ground's acceleration, (rows, 2), m/s2."""
+        rows, gravity = self._rows, np.array(self._scene.gravity_vector)
+        pull: Array = np.tile([self.direction @ gravity[:-1], gravity[-1]], (len(self.time), 1))
+        for part, way in zip(self.direction, ("", "second_"), strict=False):
+            if f"base.{way}acceleration_m_s2" in rows:
+                pull[:, 0] -= part * rows[f"base.{way}acceleration_m_s2"]
+        if "base.vertical_acceleration_m_s2" in rows:
+            pull[:, 1] -= rows["base.vertical_acceleration_m_s2"]
+        return pull
+
+    @cached_property
+    def below(self) -> Array:
+        """Centre of the block that carries it, or drift of the platform, (rows, 2), m."""
+        if self._carrier is not None:
+            return self._planar(centres(self._rows, self._carrier.name))
+        return self._planar(platform_drift(self._rows, self._scene.dimension))
+
+    @cached_property
+    def below_turn(self) -> Array:
+        """Angle of what carries it, rad; 0 of what rolls, and of the foundation."""
+        if self._carrier is None or rolls(self._carrier.shape, self._scene.dimension):
+            return np.zeros(len(self.time))
+        return self._turned(self._carrier.name)
 
 
-class Recorder:
+class Recorder(Resumable):
     """Finds the events of a run in its steps as they come; the same on all ranks."""
+
+    CARRIED = ("_rows", "_count", "_first", "_noted", "_found", "_met")
 
     def __init__(self, scene: Scene, names: Sequence[str], *, rigid: bool = False):
         """Begin; `names` are those of the columns of rows, `rigid`: as if nothing deformed."""
@@ -174,24 +192,6 @@ class Recorder:
     def events(self) -> tuple[Event, ...]:
         """The events so far, by their times."""
         return tuple(sorted(self._found, key=lambda e: (e.time_s, e.block, e.kind, e.meets)))
-
-    def saved(self) -> dict[str, Any]:
-        """Data to go on from, for `resume`; events in the order in which they were found."""
-        return {
-            "rows": np.concatenate(self._rows) if self._rows else None,
-            "first": dict(self._first),
-            "noted": {name: dict(known) for name, known in self._noted.items()},
-            "found": list(self._found),
-            "met": self._met.saved(),
-        }
-
-    def resume(self, saved: dict[str, Any]) -> None:
-        """Go on from where another recorder of the scene was saved."""
-        self._rows = [] if saved["rows"] is None else [saved["rows"]]
-        self._count = sum(map(len, self._rows))
-        self._first, self._noted = saved["first"], saved["noted"]
-        self._found = list(saved["found"])
-        self._met.resume(*saved["met"])
 
     def add(self, rows: Array, met: Iterable[Meeting] = (), happened: Iterable[Event] = ()) -> None:
         """The rows of steps that were taken, (n, columns), who met, and what happened in them."""
@@ -249,8 +249,10 @@ def _firm(scene: Scene, block: BlockSpec) -> bool:
     return not scene.foundation.is_meshed if carrier is None else _firm(scene, carrier)
 
 
-class _Meetings:
+class _Meetings(Resumable):
     """Meetings of bodies that no event tells of so far."""
+
+    CARRIED = ("_waiting", "_taken")
 
     def __init__(self, scene: Scene):
         """Begin with none."""
@@ -258,14 +260,6 @@ class _Meetings:
         self._widths = {block.name: block.width for block in scene.blocks}
         self._waiting: list[Meeting] = []
         self._taken: set[Meeting] = set()
-
-    def saved(self) -> tuple[list[Meeting], set[Meeting]]:
-        """Meetings that wait for their rows, and those among them that are events by now."""
-        return list(self._waiting), set(self._taken)
-
-    def resume(self, waiting: Sequence[Meeting], taken: Iterable[Meeting]) -> None:
-        """Go on with those that waited."""
-        self._waiting, self._taken = list(waiting), set(taken)
 
     def add(self, met: Iterable[Meeting]) -> None:
         """Take in those that may matter."""
@@ -347,7 +341,7 @@ class _Search:
 
     def run(self, *, firm: bool, ends: bool) -> Iterator[Event]:
         """The events that are certain; all where the run ends here."""
-        self._motion = motion = _motion(self._scene, self._block, self._rows, self._carrier)
+        self._motion = motion = _Motion(self._scene, self._rows, self._block)
         self._off = (motion.normal <= 0) & (motion.low > CLEAR * self._block.width)
         # What carries the block and all on it at rest, N.
         self._weight = -self._scene.stacked_mass(self._block) * motion.pull[:, 1]
@@ -392,7 +386,7 @@ class _Search:
         A flight is told as soon as it counts for certain, so that a long one needs no old rows.
         """
         m, off, width = self._motion, self._off, self._block.width
-        counts, on = flights(m.normal, m.low, m.slip, width), np.flatnonzero(~off)
+        counts, on = m.flies.copy(), np.flatnonzero(~off)
         told = self._noted.pop("aloft", None) is not None and bool(off[0])
         if told:
             counts[: on[0] + 1 if len(on) else None] = True
@@ -543,7 +537,7 @@ class _Search:
         sign = 1.0 if met.first == self._block.name else -1.0
         if len(spin) == 1:
             return -sign * spin[0]
-        x, y = self._motion.along
+        x, y = self._motion.direction
         return float(sign * (x * spin[1] - y * spin[0]))
 
     def _reason(self, before: Swing, after: Swing | None) -> str:
@@ -606,7 +600,7 @@ class _Search:
         settled = m.time[end] + SETTLED_FRACTION * (m.time[over] - m.time[end])
         before = self._at_zero(sides[0], max(begin, span.first), first, last=False)
         kept = self._at_zero(sides[1], end, over, start=int(np.searchsorted(m.time, settled)))
-        near = m.slip[begin : int(np.searchsorted(m.time, span.time + width)) + 1]
+        near = m.displacement[begin : int(np.searchsorted(m.time, span.time + width)) + 1]
         slides = np.ptp(near, axis=0).max() > LARGEST_SLIP * self._block.width
         return _Read((before, kept), end, SLIDES if slides else "")
 
@@ -641,7 +635,7 @@ class _Search:
         dt = np.diff(time)
         angle, turn, place, below, pull = (
             0.5 * (values[own][1:] + values[own][:-1])
-            for values in (m.angle, m.turn, m.place, m.below, m.pull)
+            for values in (m.angle, m.from_upright, m.place, m.below, m.pull)
         )
         own_side = 1 if side > 0 else -1
         x, y = -side * shape.arm(own_side), shape.centre_height
@@ -654,7 +648,7 @@ class _Search:
         speed = np.diff(m.place[own], axis=0) / dt[:, None] - edge
         inertia = shape.rotary_inertia_about_corner(own_side)
         share = shape.mass / inertia
-        spin = shape.rotary_inertia / inertia * np.diff(m.turn[own]) / dt
+        spin = shape.rotary_inertia / inertia * np.diff(m.from_upright[own]) / dt
         spin += share * (speed[:, 0] * arm[1] - speed[:, 1] * arm[0])
         gain = share * (pull[:, 0] * arm[1] - pull[:, 1] * arm[0])
         nearest = 0 if last else len(gain) - 1
@@ -718,55 +712,3 @@ def _slope(time: Array, value: Array, row: int) -> float:
     if row < 0 or row + 1 >= len(time):
         return math.nan
     return float((value[row + 1] - value[row]) / (time[row + 1] - time[row]))
-
-
-def _motion(scene: Scene, block: BlockSpec, rows: Columns, carrier: BlockSpec | None) -> _Motion:
-    """The motion of a block in the plane of its largest lean in these rows."""
-    leans, name = leaning(rows, block, carrier), block.name
-    along = leans.direction
-    spatial = is_spatial(rows, name)
-    count = len(rows["time_s"])
-
-    def planar(place: Array) -> Array:
-        """Places along the plane and upwards."""
-        return np.stack([place[:, :-1] @ along, place[:, -1]], axis=1)
-
-    def turned(own: BlockSpec) -> Array:
-        """Angle of a block from upright in the plane."""
-        if not spatial:
-            return rows[f"{own.name}.angle_rad"]
-        axes = upright_axes(rows, own.name)
-        return np.unwrap(np.arctan2(axes[:, :2] @ along, axes[:, 2]))
-
-    ways = ("", "_second")[: len(along)]
-    gravity = np.array(scene.gravity_vector)
-    pull: Array = np.tile([along @ gravity[:-1], gravity[-1]], (count, 1))
-    below: Array = np.zeros((count, 2))
-    below_turn: Array = np.zeros(count)
-    for part, way in zip(along, ways, strict=True):
-        if (ground := f"base.{way[1:]}{'_' * bool(way)}acceleration_m_s2") in rows:
-            pull[:, 0] -= part * rows[ground]
-        if (drift := f"platform.drift{way}_m") in rows:
-            below[:, 0] += part * rows[drift]
-    if "base.vertical_acceleration_m_s2" in rows:
-        pull[:, 1] -= rows["base.vertical_acceleration_m_s2"]
-    if carrier is not None:
-        below = planar(centres(rows, carrier.name))
-        if not rolls(carrier.shape, scene.dimension):
-            below_turn = turned(carrier)
-    return _Motion(
-        time=rows["time_s"],
-        angle=leans.angle,
-        turn=turned(block),
-        place=planar(centres(rows, name)),
-        shape=leans.shape,
-        aside=leans.aside,
-        gaps=gaps_of(rows, name),
-        low=lowest_gap(rows, block, carrier),
-        slip=np.stack([rows[f"{name}.slip{way}_m"] for way in ways], axis=1),
-        normal=rows[f"{name}.normal_force_N"],
-        pull=pull,
-        below=below,
-        below_turn=below_turn,
-        along=along,
-    )

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from solver.history.history import History
-from solver.results.motion import block_motion
+from solver.results.motion import BlockMotion
 from solver.scene import BlockSpec, Scene
 from solver.types import Array
 
@@ -19,25 +21,23 @@ SLOWEST = 0.5
 """Frequency of a swing that is vibration, over that of the first bending mode."""
 
 
-def cautions_of_flutter(scene: Scene, history: History) -> list[str]:
+def cautions_of_flutter(scene: Scene, history: History) -> Iterator[str]:
     """Cautions about elastic blocks whose normal force swings by more than its mean in a slide."""
-    found = []
     for block in scene.blocks:
         if block.model == "elastic" and (seen := flutter(scene, history, block)) is not None:
             began, frequency = seen
             default = scene.default_damping(block).stiffness
-            found.append(
+            yield (
                 f"{block.name} flutters as it slides, from {began:.4g} s at {frequency:.3g} Hz: "
                 "its normal force swings by more than its mean, and damping decides how far it "
                 f"slides; by default damping.stiffness is {default:.2g} s, and rockslip check "
                 "tells which one holds it"
             )
-    return found
 
 
 def flutter(scene: Scene, history: History, block: BlockSpec) -> tuple[float, float] | None:
     """Time at which a block begins to flutter, s, and the frequency, Hz; None if it never does."""
-    motion = block_motion(scene, history, block)
+    motion = BlockMotion(scene, history, block)
     slowest = SLOWEST * scene.bending_frequency(block) / (2 * np.pi)
     force = history[f"{block.name}.normal_force_N"]
     for rows in slides(motion.time, motion.slip):

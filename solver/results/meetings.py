@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -110,34 +110,30 @@ def _struck(events: Sequence[Event], end: Event) -> list[str]:
     return list(dict.fromkeys(found))
 
 
-def meeting_lines(summary: Mapping[str, Any]) -> list[str]:
+def meeting_lines(summary: Mapping[str, Any]) -> Iterator[str]:
     """What there is to say of them, a line each."""
-    lines = []
     if first := summary.get("first_collision"):
         one, other = first["between"]
         at = f"{first['time_s']:.4f} s"
-        lines.append(f"first collision of two blocks: {one} meets {other} at {at}")
+        yield f"first collision of two blocks: {one} meets {other} at {at}"
     if most := summary.get("largest_pounding"):
         one, other = most["between"]
-        lines.append(
-            f"largest pounding: {one} on {other}, {most['impulse_Ns']:.4g} N s at "
-            f"{most['time_s']:.4f} s"
-        )
+        impulse = f"{most['impulse_Ns']:.4g} N s"
+        yield f"largest pounding: {one} on {other}, {impulse} at {most['time_s']:.4f} s"
     chain = summary.get("collapse", ())
     for fallen in chain[:LISTED]:
         struck = f", strikes {_listed(fallen['struck'])}" if fallen["struck"] else ""
         how = "overturns" if fallen["how"] == "overturned" else "falls"
-        lines.append(f"collapse: {fallen['block']} {how} at {fallen['time_s']:.4f} s{struck}")
+        yield f"collapse: {fallen['block']} {how} at {fallen['time_s']:.4f} s{struck}"
     if len(chain) > LISTED:
-        lines.append(f"collapse: {len(chain) - LISTED} more blocks come down after them")
+        yield f"collapse: {len(chain) - LISTED} more blocks come down after them"
     if unsettled := summary.get("unsettled"):
         steps = unsettled["steps"]
-        lines.append(
+        yield (
             f"{steps} {'step' if steps == 1 else 'steps'} found no solution within the tolerance: "
             f"contact is right there to {unsettled['largest_defect_m_s']:.2g} m/s, and so are the "
             "results"
         )
-    return lines
 
 
 def _listed(names: Sequence[str]) -> str:

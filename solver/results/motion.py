@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -18,7 +18,6 @@ from geometry.boxes import Boxes
 from geometry.outline import limits_towards, rolls
 from geometry.top import top_over_centre
 from solver.history.block_columns import has_lost_carrier
-from solver.history.history import History
 from solver.results.rocking import SMALLEST_SWING, no_return
 from solver.scene import BlockSpec, Scene
 from solver.types import Array, Indices, Mask
@@ -89,39 +88,72 @@ class Leaning(NamedTuple):
     aside: Array
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class BlockMotion:
-    """Motion of one block over a run."""
+    """Motion of one block over rows of a run; its parts are computed when they are first read."""
 
-    time: Array
-    """t, s."""
-    angle: Array
-    """Lean against what carries the block, in the plane of the largest one, rad, with its sign
-    (towards +x, or +y where that plane has no x), unwrapped."""
-    lean: Array
-    """Angle from upright, rad; signed and unwrapped in 2-D, 0 to pi in 3-D."""
-    displacement: Array
-    """Displacement of its base along what carries it, m, (rows, 1) or, in 3-D, (rows, 2)."""
-    slip: Array
-    """The part of that which it moved in contact, not in flight, m."""
-    flies: Mask
-    """True where it is in free flight that counts as a hop, (rows,)."""
-    turn: Array
-    """Angle about the upright axis of what carries the block, rad, unwrapped; 0 in 2-D."""
-    friction: Array
-    """Force from what carries the block, N, (rows, 1 or 2)."""
-    lift: Array
-    """Gap of the bottom corner that is highest, m."""
-    low: Array
-    """Gap of its lowest corner, m."""
-    shape: Block
-    """The block as it stands in that plane."""
-    fell: bool
-    """True if it ends below what carried it."""
-    aside: Array
-    """Lean out of that plane, rad; 0 in 2-D."""
-    tipping: Tipping
-    """How far it leans without rolling on and without overturning, in the direction of its lean."""
+    def __init__(self, scene: Scene, rows: Columns, block: BlockSpec):
+        """The block leans against what carries it, in the plane of the largest such lean."""
+        self._scene, self._rows, self._block = scene, rows, block
+        self._name, self._carrier = block.name, scene.carrier_of(block)
+        self._ways = ("", "_second") if is_spatial(rows, block.name) else ("",)
+        self.time = rows["time_s"]
+        """t, s."""
+        self.normal = rows[f"{block.name}.normal_force_N"]
+        """Normal force from what carries the block, N."""
+        self.angle, self.shape, self.direction, self.aside = leaning(rows, block, self._carrier)
+        """As in `Leaning`."""
+
+    @cached_property
+    def lean(self) -> Array:
+        """Angle from upright, rad; signed and unwrapped in 2-D, 0 to pi in 3-D."""
+        return total_lean(self._rows, self._name)
+
+    @cached_property
+    def displacement(self) -> Array:
+        """Displacement of its base along what carries it, m, (rows, 1) or, in 3-D, (rows, 2)."""
+        return _stack(self._rows, self._name, [f"slip{way}_m" for way in self._ways])
+
+    @cached_property
+    def flies(self) -> Mask:
+        """True where it is in free flight that counts as a hop, (rows,)."""
+        return flights(self.normal, self.low, self.displacement, self._block.width)
+
+    @cached_property
+    def slip(self) -> Array:
+        """The part of its displacement which it moved in contact, not in flight, m."""
+        steps = np.diff(self.displacement, axis=0, prepend=self.displacement[:1])
+        flown = np.cumsum(np.where(self.flies[:, None], steps, 0.0), axis=0)
+        return np.asarray(self.displacement - flown)
+
+    @cached_property
+    def turn(self) -> Array:
+        """Angle about the upright axis of what carries the block, rad, unwrapped; 0 in 2-D."""
+        return _turn(self._rows, self._block, self._carrier)
+
+    @cached_property
+    def friction(self) -> Array:
+        """Force from what carries the block, N, (rows, 1 or 2)."""
+        return _stack(self._rows, self._name, [f"friction_force{way}_N" for way in self._ways])
+
+    @cached_property
+    def gaps(self) -> Array:
+        """Gaps of its bottom corners, m, (rows, corners)."""
+        return gaps_of(self._rows, self._name)
+
+    @cached_property
+    def low(self) -> Array:
+        """Gap of its lowest corner, m."""
+        return lowest_gap(self._rows, self._block, self._carrier)
+
+    @property
+    def fell(self) -> bool:
+        """True if it ends below what carried it."""
+        return _fell(self._rows, self._block, self._scene.carriers_of(self._block))
+
+    @cached_property
+    def tipping(self) -> Tipping:
+        """How far it leans without rolling on and without overturning, in the direction of that."""
+        return tipping(self._rows, self._block)
 
     @property
     def overturned(self) -> bool:
@@ -133,33 +165,6 @@ class BlockMotion:
 def of_side(number: Callable[[int], float], lean: Array) -> Array:
     """A number of a block about the edge to which it leans, by the sign of that, over the rows."""
     return np.where(lean < 0, number(-1), number(1))
-
-
-def block_motion(scene: Scene, history: History, block: BlockSpec) -> BlockMotion:
-    """The motion of a block as its columns give it."""
-    name, carrier = block.name, scene.carrier_of(block)
-    leans = leaning(history, block, carrier)
-    second = ["", "_second"] if is_spatial(history, name) else [""]
-    displacement = _stack(history, name, [f"slip{direction}_m" for direction in second])
-    corners, low = gaps_of(history, name), lowest_gap(history, block, carrier)
-    flies = flights(history[f"{name}.normal_force_N"], low, displacement, block.width)
-    steps = np.diff(displacement, axis=0, prepend=displacement[:1])
-    return BlockMotion(
-        time=history["time_s"],
-        angle=leans.angle,
-        lean=total_lean(history, name),
-        displacement=displacement,
-        slip=displacement - np.cumsum(np.where(flies[:, None], steps, 0.0), axis=0),
-        flies=flies,
-        turn=_turn(history, block, carrier),
-        friction=_stack(history, name, [f"friction_force{direction}_N" for direction in second]),
-        lift=corners.max(axis=1),
-        low=low,
-        shape=leans.shape,
-        fell=_fell(history, block, scene.carriers_of(block)),
-        aside=leans.aside,
-        tipping=tipping(history, block),
-    )
 
 
 def mode(block: Block, motion: BlockMotion, *, fell: bool = False) -> str:
@@ -179,7 +184,7 @@ def mode(block: Block, motion: BlockMotion, *, fell: bool = False) -> str:
     if motion.overturned:
         return "overturned"
     swinging = np.abs(motion.angle) > SMALLEST_SWING * shape.slenderness()
-    lifted = motion.lift > SMALLEST_LIFT * shape.width
+    lifted = motion.gaps.max(axis=1) > SMALLEST_LIFT * shape.width
     round_corners = np.abs(motion.turn) * math.hypot(block.width, block.thickness) / 2
     rolls = np.abs(motion.lean) > motion.tipping.next_face
     found = {
@@ -475,7 +480,7 @@ def _towards(horizontal: Array) -> Array:
     return np.asarray(-unit if backwards else unit)
 
 
-def _fell(history: History, block: BlockSpec, carriers: Sequence[BlockSpec]) -> bool:
+def _fell(history: Columns, block: BlockSpec, carriers: Sequence[BlockSpec]) -> bool:
     """True if the centre of a block ends below the surface that it stood on, or all of them.
 
     That of the foundation is at level 0. That of a block is its top; a block that lies beside an
@@ -487,7 +492,7 @@ def _fell(history: History, block: BlockSpec, carriers: Sequence[BlockSpec]) -> 
     return all(_is_below(history, centre, carrier) for carrier in carriers)
 
 
-def _is_below(history: History, centre: Array, carrier: BlockSpec) -> bool:
+def _is_below(history: Columns, centre: Array, carrier: BlockSpec) -> bool:
     """True if a place is below the top of a block at the end, or below its centre."""
     above = centre - centres(history, carrier.name)[-1]
     normal = top_axes(history, carrier)[-1, :, -1]

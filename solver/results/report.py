@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from solver.results.endings import cut_short
@@ -30,29 +30,29 @@ def report(summary: Mapping[str, Any]) -> str:
     return "\n".join([*result_lines(summary), *cautions, *told_lines(summary)]) + "\n"
 
 
-def result_lines(summary: Mapping[str, Any]) -> list[str]:
+def result_lines(summary: Mapping[str, Any]) -> Iterator[str]:
     """The result of a run, a line each."""
-    early = cut_short(summary)
-    lines = [f"the run {early}"] if early else []
+    if early := cut_short(summary):
+        yield f"the run {early}"
     reason = f": {summary['reason']}" if summary["reason"] else ""
-    lines.append(f"{summary['status']} at t = {summary['end_s']:.6g} s{reason}")
+    yield f"{summary['status']} at t = {summary['end_s']:.6g} s{reason}"
     for name, block in summary["blocks"].items():
-        lines += _block_lines(name, block)
-    lines += [_link(name, link) for name, link in summary.get("links", {}).items()]
+        yield from _block_lines(name, block)
+    for name, link in summary.get("links", {}).items():
+        yield _link(name, link)
     if "platform" in summary:
-        lines.append(_platform(summary["platform"]))
-    if summary["energy"]:
-        energy = summary["energy"]
-        lines.append(
-            f"energy: largest gain {_number(energy['largest_gain_fraction'], '.1e')}, ledger error "
-            f"{_number(energy['ledger_error_fraction'], '.1e')} of {_number(energy['scale_J'])} J"
+        yield _platform(summary["platform"])
+    if energy := summary["energy"]:
+        gain, error = (
+            _number(energy[f"{name}_fraction"], ".1e") for name in ("largest_gain", "ledger_error")
         )
-        lines.append(_losses(energy["loss"], energy["loss_share"]))
+        scale = _number(energy["scale_J"])
+        yield f"energy: largest gain {gain}, ledger error {error} of {scale} J"
+        yield _losses(energy["loss"], energy["loss_share"])
     if "horizon" in summary:
-        lines.append(_horizon(summary["horizon"]))
+        yield _horizon(summary["horizon"])
     if "wall_s" in summary["cost"]:
-        lines.append(_cost(summary["cost"]))
-    return lines
+        yield _cost(summary["cost"])
 
 
 PERTURBED = {"motion": "motion", "start": "tilt and velocity at the start"}
@@ -79,14 +79,14 @@ def residual_slip(block: Mapping[str, Any]) -> float:
     return math.hypot(block["residual_slip_m"], block["residual_slip_second_m"])
 
 
-def _block_lines(name: str, block: Mapping[str, Any]) -> list[str]:
+def _block_lines(name: str, block: Mapping[str, Any]) -> Iterator[str]:
     """Lines on one block."""
     angle = _plain(math.degrees(block["peak_angle_rad"]))
     peak, residual = _plain(1e3 * block["peak_slip_m"]), _plain(1e3 * residual_slip(block))
-    lines = [
+    yield (
         f"{name}: {block['mode']}, peak angle {angle:.4g} degrees, "
         f"peak slip {peak:.3g} mm, residual slip {residual:.3g} mm{_flown(block)}{_turned(block)}"
-    ]
+    )
     impacts = block["impacts"]
     if impacts:
         more = " ..." if len(impacts) > LISTED else ""
@@ -98,10 +98,9 @@ def _block_lines(name: str, block: Mapping[str, Any]) -> list[str]:
         if all(_number(ratio) == UNKNOWN for ratio in known):
             ratios = "" if none else UNKNOWN
         impact_word = "impact" if len(impacts) == 1 else "impacts"
-        lines.append(f"  {len(impacts)} {impact_word} at {times}{more} s")
+        yield f"  {len(impacts)} {impact_word} at {times}{more} s"
         told = [ratios] * bool(ratios) + [f"none: {none}"] * bool(none)
-        lines.append(f"  restitution   {'; '.join(told)}")
-    return lines
+        yield f"  restitution   {'; '.join(told)}"
 
 
 def _link(name: str, link: Mapping[str, Any]) -> str:
@@ -155,14 +154,15 @@ def _losses(loss: Mapping[str, float | None], shares: Mapping[str, float]) -> st
     return f"lost {_number(sum(known))} J: {', '.join(parts)}"
 
 
-def told_lines(summary: Mapping[str, Any]) -> list[str]:
+def told_lines(summary: Mapping[str, Any]) -> Iterator[str]:
     """How bodies met, the chain of collapse, and blocks that came to overlap, a line each."""
-    return meeting_lines(summary) + [
-        f"{' and '.join(found['blocks'])} overlap from t = {found['time_s']:.6g} s on, by up to "
-        f"{found['depth_m']:.3g} m: contact between them was lost, and what follows is not to be "
-        "trusted"
-        for found in summary.get("overlaps", [])
-    ]
+    yield from meeting_lines(summary)
+    for found in summary.get("overlaps", []):
+        yield (
+            f"{' and '.join(found['blocks'])} overlap from t = {found['time_s']:.6g} s on, by up "
+            f"to {found['depth_m']:.3g} m: contact between them was lost, and what follows is not "
+            "to be trusted"
+        )
 
 
 FORCES = {

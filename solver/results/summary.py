@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -24,11 +25,11 @@ from solver.results.cautions import (
     loss_shares,
 )
 from solver.results.effective_mass import friction_mass_ratio
-from solver.results.endings import fell_at, motion_end, overturned_at
+from solver.results.endings import motion_end, overturned_at
 from solver.results.events import recorded
 from solver.results.flutter import cautions_of_flutter
 from solver.results.meetings import Contacts, meetings
-from solver.results.motion import CLEAR, block_motion, lean_over_alpha, mode
+from solver.results.motion import CLEAR, BlockMotion, lean_over_alpha, mode
 from solver.results.overlaps import overlaps
 from solver.scene import BlockSpec, LinkSpec, Scene
 
@@ -64,9 +65,9 @@ def summarise(
     links = {k.name: _link(k, history, events) for k in scene.links if len(history)}
     platform = _platform(history) if len(history) else {}
     balance = _energy(scene, history) if len(history) else {}
-    found = cautions_of_steps(scene, cost)
-    found += cautions_of_run(scene, balance["loss"], balance["scale_J"]) if balance else []
+    found = [*cautions_of_steps(scene, cost)]
     if blocks:
+        found += cautions_of_run(scene, balance["loss"], balance["scale_J"])
         found += cautions_of_impacts(scene, blocks)
         found += cautions_of_flutter(scene, history)
         found += cautions_of_end(scene, status, reason)
@@ -99,10 +100,11 @@ def _block(
     block: BlockSpec, scene: Scene, history: History, events: Sequence[Event]
 ) -> dict[str, Any]:
     """Entries of one block."""
-    motion = block_motion(scene, history, block)
+    motion = BlockMotion(scene, history, block)
     time, angle, shape = motion.time, motion.angle, motion.shape
     slip = np.linalg.norm(motion.slip, axis=1)
-    over, off = overturned_at(history, block), fell_at(scene, history, block)
+    ended = {e.kind: e.time_s for e in events if e.block == block.name}
+    over, off = overturned_at(history, block), ended.get("fell")
     standing = time <= min((t for t in (over, off) if t is not None), default=math.inf)
     peaks = rocking.peaks(time, angle, shape.slenderness())
     over_alpha = lean_over_alpha(history, block)
@@ -215,9 +217,16 @@ def write_json(file: Path, summary: Mapping[str, Any]) -> None:
 
 def write_whole(file: Path, text: str) -> None:
     """Write a text; a reader sees the old file or the new one, never half of it."""
+    with draft_of(file) as draft:
+        draft.write_text(text, encoding="utf-8")
+
+
+@contextmanager
+def draft_of(file: Path) -> Iterator[Path]:
+    """The place of a draft, which becomes the file once it is written, or goes if it is not."""
     draft = file.with_name(file.name + ".part")
     try:
-        draft.write_text(text, encoding="utf-8")
+        yield draft
         os.replace(draft, file)
     except OSError as error:
         draft.unlink(missing_ok=True)

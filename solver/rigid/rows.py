@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -10,12 +11,13 @@ from geometry.block import Block
 from geometry.outline import rolls
 from geometry.top import top_over_centre
 from solver.history.block_columns import (
+    contact_columns,
+    force_columns,
     has_lost_carrier,
-    write_plane_motion,
-    write_space_motion,
+    plane_motion,
+    space_motion,
 )
-from solver.history.columns import positions
-from solver.history.engine_rows import EngineRows
+from solver.history.engine_rows import of_owner
 from solver.kernels.world import Steps
 from solver.types import Array
 
@@ -47,14 +49,14 @@ def quaternion_of(rotation: Array) -> Array:
 class BlockRows:
     """Writer of the columns of blocks."""
 
-    def __init__(self, shapes: Sequence[Block], carriers: Sequence[int], columns: EngineRows):
-        """Keep what its columns take of each block.
+    def __init__(self, blocks: Mapping[str, Block], carriers: Sequence[int], d: int):
+        """Keep what its columns take of each block, by their names.
 
         `carriers` are the numbers of the bodies that carry the blocks, or the number of blocks for
         what carries all.
         """
-        self._columns, self._carriers, self._d = columns, carriers, columns.dimension
-        d, self._at = self._d, positions("block", self._d)
+        self._names, self._carriers, self._d = list(blocks), carriers, d
+        shapes = list(blocks.values())
         self._bottoms = np.array(
             [np.array(shape.bottom_corners(d)) - shape.centre_of_mass(d) for shape in shapes]
         )
@@ -80,43 +82,41 @@ class BlockRows:
         lean = np.arctan2(frames[:, :-1, 0, 2], frames[:, :-1, 2, 2])
         return np.unwrap(np.concatenate([before[None], lean]), axis=0)[1:]
 
-    def write(self, rows: Array, steps: Steps, dt: float, lean: Array) -> Array:
-        """Fill in the columns of the blocks for all steps but the first; returns the last lean."""
+    def columns(self, steps: Steps, dt: float, lean: Array) -> tuple[dict[str, Any], Array]:
+        """The columns of the blocks for all steps but the first, and the last lean."""
         frames = rotation_matrices(steps.rotation)
         leans = self.lean(steps, frames, lean)[1:]
-        for b, carrier in enumerate(self._carriers):
-            own = rows[:, self._columns.blocks[b]]
-            self._write_motion(own, steps, b, leans[:, b])
-            mean = self._write_contact(own, steps, frames, b, carrier, dt)
-            feet = rows[:, self._columns.feet[b]].reshape(len(rows), len(self._feet[b]), self._d)
-            for foot, part in enumerate(self._feet[b]):
-                force = (steps.parts[1:, part, None, :] @ mean)[:, 0] / dt
-                feet[:, foot] = force[:, [-1, *range(self._d - 1)]]
-        return leans[-1]
+        known = dict[str, Any]()
+        for b, (name, carrier) in enumerate(zip(self._names, self._carriers, strict=True)):
+            known |= of_owner(name, self._motion(steps, b, leans[:, b]))
+            contact, mean = self._contact(steps, frames, b, carrier, dt)
+            known |= of_owner(name, contact)
+            for foot, part in enumerate(self._feet[b], start=1):
+                force = (steps.parts[1:, part, None, :] @ mean)[:, 0].T / dt
+                known |= of_owner(f"{name}.foot_{foot}", force_columns(np.roll(force, 1, axis=0)))
+        return known, leans[-1]
 
-    def _write_motion(self, own: Array, steps: Steps, b: int, lean: Array) -> None:
+    def _motion(self, steps: Steps, b: int, lean: Array) -> dict[str, Any]:
+        """The columns that follow from the motion of a block."""
         spin, centre = steps.spin[1:, b].T, steps.centre[1:, b].T
         if self._d == 2:
-            write_plane_motion(own.T, lean, -spin[0], centre)
-        else:
-            angles = np.stack([lean, *steps.turned[1:, b].T])
-            write_space_motion(own.T, angles, spin, centre)
+            return plane_motion(lean, -spin[0], centre)
+        return space_motion(lean, steps.turned[1:, b].T, spin, centre)
 
-    def _write_contact(
-        self, own: Array, steps: Steps, frames: Array, b: int, carrier: int, dt: float
-    ) -> Array:
+    def _contact(
+        self, steps: Steps, frames: Array, b: int, carrier: int, dt: float
+    ) -> tuple[dict[str, Any], Array]:
         """Slip, gaps, penetration and forces: over the carrier, or level ground once it is lost.
 
-        Returns:
-            The axes of the forces as columns, (steps, d, d).
+        And the axes of the forces as columns, (steps, d, d).
         """
-        at, d, base = self._at, self._d, len(self._carriers)
+        d, base = self._d, len(self._carriers)
         level = np.eye(d)
         centre = steps.centre[1:, b]
         over_ground = centre - steps.centre[1:, base] * (1 - level[-1])
         if carrier == base:
-            half: Array = np.zeros(len(own))
-            below = mean = np.broadcast_to(level, (len(own), d, d))
+            half: Array = np.zeros(len(centre))
+            below = mean = np.broadcast_to(level, (len(centre), d, d))
             shift = over_ground
         else:
             below, mean = frames[1:, carrier], (frames[:-1, carrier] + frames[1:, carrier]) / 2
@@ -132,14 +132,6 @@ class BlockRows:
             half = np.where(lost, 0.0, height)
         arms = np.einsum("sij,kj->ski", frames[1:, b], self._bottoms[b])
         gaps = np.einsum("ski,si->sk", shift[:, None] + arms, below[:, :, -1]) - half[:, None]
-        names = ("left", "right") if d == 2 else ("1", "2", "3", "4")
-        for k, name in enumerate(names):
-            own[:, getattr(at, f"gap_{name}_m")] = gaps[:, k]
-        own[:, at.slip_m] = steps.slip[1:, b, 0]
-        own[:, at.penetration_m] = steps.penetration[1:, b]
-        force = (steps.impulse[1:, b, None, :] @ mean)[:, 0] / dt
-        own[:, at.normal_force_N], own[:, at.friction_force_N] = force[:, -1], force[:, 0]
-        if d == 3:
-            own[:, at.slip_second_m] = steps.slip[1:, b, 1]
-            own[:, at.friction_force_second_N] = force[:, 1]
-        return mean
+        force = np.roll((steps.impulse[1:, b, None, :] @ mean)[:, 0].T / dt, 1, axis=0)
+        slip, depth = steps.slip[1:, b].T, steps.penetration[1:, b]
+        return contact_columns(slip, gaps.T, depth, force), mean

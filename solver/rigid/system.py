@@ -15,9 +15,10 @@ import numpy as np
 from geometry.arrangement import Pose, level
 from geometry.block import FACES, Block
 from solver.excitation.forces import arm_of, factors, whole_force
-from solver.history.columns import check_filled
-from solver.history.engine_rows import EngineRows
+from solver.history.engine_rows import energy_columns, platform_columns, rows_of, run_columns
 from solver.history.events import Event, Meeting
+from solver.history.history import scene_columns
+from solver.history.link_columns import LinkRows
 from solver.kernels.world import Body, Mobility, Steps, World
 from solver.rigid.links import link_of
 from solver.rigid.rows import BlockRows, quaternion_of, rotation_matrices
@@ -55,7 +56,7 @@ FOLLOWING = (
     *("normal_force_N", "friction_force_N", "friction_force_second_N"),
     *("platform.acceleration_m_s2", "platform.acceleration_second_m_s2"),
     *("foundation.base_shear_N", "foundation.base_shear_second_N"),
-    *(".force_N", ".shear_force_N", ".shear_force_second_N"),
+    *(".force_N", ".shear_force_N", ".shear_force_second_N", "contact_points_closed"),
 )
 """Columns of blocks, platform, ground and links that tell of the instant after a moment."""
 
@@ -94,7 +95,9 @@ class RigidSystem:
         self._forces, self._tells_pairs = scene.forces, scene.output.pairs
         self._moves = scene.has_platform
         shapes = {spec.name: spec.shape for spec in scene.blocks}
-        self._rows = EngineRows(shapes, scene.links, dimension=d, platform=self._moves)
+        self.columns = scene_columns(scene)
+        """Names of the columns of the rows."""
+        self._links = LinkRows(scene.links, d)
         drift = drift_of(scene)
         base = np.array([*drift[: d - 1], 0.0])
         placed = dict(poses or scene.poses(drift=drift))
@@ -122,7 +125,7 @@ class RigidSystem:
         if self._tells_pairs:
             self._world.tell_pairs()
         standing = [each[0] for each in carriers]
-        self._written = BlockRows(list(shapes.values()), standing, self._rows)
+        self._written = BlockRows(shapes, standing, d)
         self._before = self._world.now()
         frames = rotation_matrices(self._before.rotation)
         self._lean = self._written.lean(self._before, frames, np.zeros(len(shapes)))[0]
@@ -135,11 +138,6 @@ class RigidSystem:
         """Number of unknowns."""
         d = self.dimension
         return d * (d + 1) // 2 * len(self.names) + (d - 1) * self._moves
-
-    @property
-    def columns(self) -> tuple[str, ...]:
-        """Names of the columns of the rows: those of a history with all motions of the ground."""
-        return self._rows.names
 
     @property
     def rescued(self) -> dict[str, int]:
@@ -203,13 +201,11 @@ class RigidSystem:
         steps = self._world.run(count, dt, smallest or dt / 1024, motion, shift, pushes)
         done = len(steps.closed)
         happened: tuple[Event, ...] = ()
-        rows: Array = np.full((done, len(self.columns)), np.nan)
+        rows: Array = np.empty((0, len(self.columns)))
         if done:
             taken = before.followed_by(steps)
-            self._fill(rows, taken, dt, motion[: done + 1])
-            rows[:, self._rows.run.time_s] = times[1 : done + 1]
-            happened = tuple(self._rows.links.events(taken.links, times[1 : done + 1]))
-            check_filled(self.columns, rows)
+            rows = self._rows(taken, times[1 : done + 1], dt, motion[1 : done + 1])
+            happened = tuple(self._links.events(taken.links, times[1 : done + 1]))
             self._before = steps.last()
         self.time += dt * done
         rejected = int(self._before.halved[0] - before.halved[0])
@@ -224,28 +220,27 @@ class RigidSystem:
             unsettled=int(self._world.counts()["unsettled"] - unsettled),
         )
 
-    def _fill(self, rows: Array, steps: Steps, dt: float, ground: Array) -> None:
-        """Fill in rows, one for each step but the first one, that they follow."""
-        columns, row = self._rows, rows.T
-        ground = ground[1:].T
-        columns.write_run(row, dt, np.diff(steps.iterations), steps.closed[1:], ground)
-        self._lean = self._written.write(rows, steps, dt, self._lean)
+    def _rows(self, steps: Steps, times: Array, dt: float, ground: Array) -> Array:
+        """The rows of steps that end at some times, s, all but the first one, which they follow."""
+        known, self._lean = self._written.columns(steps, dt, self._lean)
+        known |= run_columns(times, dt, np.diff(steps.iterations), steps.closed[1:], ground.T)
         if self._moves:
             drift, velocity = steps.centre[1:, -1].T, steps.velocity[:, -1].T
-            columns.write_platform(row, drift, velocity[:, 1:], np.diff(velocity) / dt)
-            columns.write_base_shear(row, np.asarray(steps.ground_impulse[1:].T / dt))
-        columns.links.write(rows, steps.links[1:])
+            gained, shear = np.diff(velocity) / dt, steps.ground_impulse[1:].T / dt
+            known |= platform_columns(drift[:-1], velocity[:-1, 1:], gained[:-1], shear)
+        known |= self._links.columns(steps.links[1:])
         kinetic, gravity, spring = steps.stored[1:].T
         taken, friction, damping, contact, numerical = steps.exchanged[1:].T
         stored = kinetic, 0.0, gravity, spring, 0.0
         exchanged = taken, friction, damping, 0.0, contact, numerical
-        columns.write_energies(row, stored, exchanged, self._first)
+        known |= energy_columns(stored, exchanged, self._first)
+        return rows_of(self.columns, known, len(times))
 
     def saved(self) -> dict[str, Any]:
-        """How everything stands at the moment, for `restore`."""
+        """How everything stands at the moment, for `resume`."""
         return {"time": self.time, "world": self._world.saved(), "lean": self._lean.copy()}
 
-    def restore(self, saved: dict[str, Any]) -> None:
+    def resume(self, saved: dict[str, Any]) -> None:
         """Go back to where everything stood when it was saved."""
         self.time, self._lean = saved["time"], saved["lean"].copy()
         self._world.restore(saved["world"])
@@ -260,18 +255,14 @@ class RigidSystem:
         motion = np.tile(np.zeros(d) if ground is None else np.array(ground, float), (2, 1))
         trial = self.advance(1, short, motion, short / 1024)
         forces = self._before.links[..., d : 2 * d].copy()
-        self.restore(saved)
+        self.resume(saved)
         self._before.links[..., d : 2 * d] = forces
         self.first_pairs = trial.pairs
-        rows: Array = np.full((1, len(self.columns)), np.nan)
-        self._fill(rows, self._before.followed_by(self._before), dt, motion)
-        row = rows[0]
-        row[self._rows.run.time_s] = self.time
+        now = self._before.followed_by(self._before)
+        row = self._rows(now, np.array([self.time]), dt, motion[:1])[0]
         if not trial.failure:  # else the forces are not known; the step that follows fails, too
             taken = [k for k, name in enumerate(self.columns) if name.endswith(FOLLOWING)]
             row[taken] = trial.rows[0, taken]
-            closed = self._rows.run.contact_points_closed
-            row[closed] = trial.rows[0, closed]
         return row
 
     @property

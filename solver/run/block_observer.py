@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -18,13 +18,16 @@ from solver.contact.kinematics import in_space
 from solver.contact.memory import Memory
 from solver.contact.pairs import Link
 from solver.history.block_columns import (
+    contact_columns,
+    force_columns,
     has_lost_carrier,
     lean_in_space,
-    write_plane_motion,
-    write_space_motion,
+    plane_motion,
+    space_motion,
 )
-from solver.history.columns import positions
+from solver.history.engine_rows import of_owner
 from solver.kernels import meshed
+from solver.resumable import Resumable
 from solver.stepping.state import State
 from solver.stepping.stepper import Stepper
 from solver.types import Array, Indices, Mask
@@ -46,8 +49,10 @@ def touching(force: Array, place: Array, may_touch: Mask, level: float) -> Indic
     return touch.nonzero()[0]
 
 
-class BlockObserver:
+class BlockObserver(Resumable):
     """Angle, slip, gaps and forces of one block."""
+
+    CARRIED = ("_lean", "_slip", "_known")
 
     def __init__(
         self, member: BlockBody, stepper: Stepper, state: State, carrier: BlockBody | None
@@ -61,19 +66,10 @@ class BlockObserver:
         self._home_carrier = stepper.links[self._number].interface.carrier
         self._own = stepper.system.slices[member.number]
         d = stepper.system.dimension
-        self._angles, self._slip = np.zeros(1 if d == 2 else 4), np.zeros(d - 1)
-        self._at = at = positions("block", d)
-        # The columns of the gaps stand one after another.
-        gaps = ("gap_left_m", "gap_right_m") if d == 2 else ("gap_1_m", "gap_4_m")
-        self._gaps = slice(getattr(at, gaps[0]), getattr(at, gaps[1]) + 1)
-        forces = ("normal_force_N", "friction_force_N", "friction_force_second_N")[:d]
-        self._forces = [getattr(at, name) for name in forces]
-        slips = ("slip_m", "slip_second_m")[: d - 1]
-        self._slips = [getattr(at, name) for name in slips]
+        self._lean, self._slip = 0.0, np.zeros(d - 1)
         self._set_interface()
         self._known = self._first_reference(state)
         self._order_reference()
-        self._frame = state.contacts[self._number].kinematics.frame
         count = member.spec.shape.feet
         feet = [foot.hull.points.reference for foot in member.parts[len(member.parts) - count :]]
         near = ON_FOOT * member.spec.shape.half_diagonal
@@ -99,13 +95,9 @@ class BlockObserver:
         face: int = state.active[self._member.number].second
         return face
 
-    def saved(self) -> tuple[Any, ...]:
-        """Values carried on from step to step, for `resume`."""
-        return self._angles.copy(), self._slip.copy(), self._known
-
-    def resume(self, saved: tuple[Any, ...]) -> None:
+    def resume(self, saved: Mapping[str, Any]) -> None:
         """Go on from the steps that another observer of the block has seen."""
-        self._angles, self._slip, self._known = saved
+        super().resume(saved)
         self._take(self._stepper.links)
         self._set_interface()
         self._order_reference()
@@ -126,39 +118,42 @@ class BlockObserver:
         corners = surface.hull.points.observe(state.u[self._own]).position
         return corners[surface.below]
 
-    def write(self, state: State, links: Sequence[Link], row: Array) -> None:
-        """Fill in the columns of the block, all of `row`; memories of the state are of `links`."""
+    def columns(self, state: State, links: Sequence[Link]) -> dict[str, Any]:
+        """The columns of the block and of its feet; memories of the state are of `links`."""
         self._take(links)
         memory = state.contacts[self._number]
         if links[self._number].interface is not self._interface:
             self._set_interface()
             self._order_reference()
         system, number = self._stepper.system, self._member.number
-        self._write_motion(state.rigid_motion(system, number), row)
+        known = self._motion(state.rigid_motion(system, number))
         carrier, place = self._interface.carrier, memory.kinematics.carrier
         frame = memory.kinematics.frame
         if self._face(state) != self._home:  # it meets another face of what carried it
-            row[self._slips] = self._slip
             carrier, (place, frame) = self._home_carrier, self._home_place(state)
-        elif not self._write_slip(memory, row):
+        elif not self._take_slip(memory):
             self._set_reference(memory)
-            self._write_slip(memory, row)
+            self._take_slip(memory)
         lost = self._carrier is not None and self._lost_its_carrier(state)
         corners = self._corner_positions(state)
         height = corners[:, -1] if lost else carrier.kinematics(corners, place, frame).place[:, 0]
-        row[self._gaps] = height
         numbers = self._number, *self._others
-        row[self._at.penetration_m] = max(self._penetration(state, n) for n in numbers)
-        row[self._forces], self._frame = np.add.reduce(memory.force), frame
+        depth = max(self._penetration(state, n) for n in numbers)
+        force = np.add.reduce(memory.force)
         if self._others or lost or carrier is not self._interface.carrier:
-            frame = level_frame(len(self._forces)) if lost else frame
-            row[self._forces], self._frame = self._force(state, frame), frame
+            frame = level_frame(len(force)) if lost else frame
+            force = self._force(state, frame)
+        known |= contact_columns(self._slip, height, depth, force)
+        name = self._member.spec.name
+        for foot, pushed in enumerate(self._feet_forces(state, frame), start=1):
+            known |= of_owner(f"foot_{foot}", force_columns(pushed))
+        return of_owner(name, known)
 
-    def write_feet(self, state: State, rows: Array) -> None:
-        """Fill in the forces on the feet, (feet, d), in the frame of those on the block."""
-        if not self._feet:
-            return
-        rows[:] = 0.0
+    def _feet_forces(self, state: State, frame: Array) -> list[Array]:
+        """The forces on the feet, (d,), in the frame of those on the block, N."""
+        forces: list[Array] = [np.zeros(len(frame)) for _ in self._feet]
+        if not forces:
+            return forces
         own = self._member.number
         motion = state.rigid_motion(self._stepper.system, own)
         centre = self._member.body.centre
@@ -169,10 +164,10 @@ class BlockObserver:
                 place = memory.kinematics.own_projection.carried(place)
             place = centre + (place - centre - motion.moved) @ motion.rotation
             sign = 1.0 if link.body == own else -1.0
-            force = sign * in_space(memory.force, memory.kinematics.frame) @ self._frame.T
-            for row, (low, high) in zip(rows, self._feet, strict=True):
-                on = ((place >= low) & (place <= high)).all(axis=1)
-                row += force[on].sum(axis=0)
+            force = sign * in_space(memory.force, memory.kinematics.frame) @ frame.T
+            for pushed, (low, high) in zip(forces, self._feet, strict=True):
+                pushed += force[((place >= low) & (place <= high)).all(axis=1)].sum(axis=0)
+        return forces
 
     def _home_place(self, state: State) -> tuple[SurfaceState | None, Array]:
         """Where the face is that carries the block at the start, and its frame."""
@@ -183,34 +178,29 @@ class BlockObserver:
         part = system.part(state.u, link.carrier)
         return None if face.points is None else face.points.observe(part), frame
 
-    def _write_slip(self, memory: Memory, row: Array) -> bool:
-        """Slip, by the block's own points; False, and nothing, where a reference is unknown."""
+    def _take_slip(self, memory: Memory) -> bool:
+        """Take the slip of the block's own points; False where a reference is unknown."""
         slip = np.empty(self._reference.shape[1])
         meshed.mean_slip(*self._points(memory), self._reference, slip)
         if math.isnan(slip[0]):
             return False
-        row[self._slips] = self._slip = slip
+        self._slip = slip
         return True
 
     def _points(self, memory: Memory) -> tuple[Array, Array, Mask, float]:
         """Forces and places of the block's own points and what else `touching` takes of them."""
         return memory.force, memory.kinematics.place, memory.may_touch, self._level
 
-    def _write_motion(self, motion: RigidMotion, row: Array) -> None:
-        """Carry on the angles of the block, and fill in what follows from its motion."""
-        angles, turn, centre = (
-            self._angles,
-            motion.rotation,
-            self._member.body.centre + motion.moved,
-        )
+    def _motion(self, motion: RigidMotion) -> dict[str, Any]:
+        """The columns that follow from the motion of the block, whose lean is carried on."""
+        turn, centre = motion.rotation, self._member.body.centre + motion.moved
         if len(turn) == 2:
-            lean, before = math.atan2(-turn[1, 0], turn[0, 0]), float(angles[0])
-            angles[0] = lean + 2 * math.pi * round((before - lean) / (2 * math.pi))
-            write_plane_motion(row, angles[0], motion.spin[0], centre)
-            return
-        angles[0] = lean_in_space(turn, angles[0])
-        meshed.vector_of(turn, angles[1:])
-        write_space_motion(row, angles, motion.spin, centre)
+            lean, before = math.atan2(-turn[1, 0], turn[0, 0]), self._lean
+            self._lean = lean + 2 * math.pi * round((before - lean) / (2 * math.pi))
+            return plane_motion(self._lean, motion.spin[0], centre)
+        self._lean, vector = lean_in_space(turn, self._lean), np.empty(3)
+        meshed.vector_of(turn, vector)
+        return space_motion(self._lean, vector, motion.spin, centre)
 
     def _lost_its_carrier(self, state: State) -> bool:
         """True if the block has lost the block that carried it (`has_lost_carrier`)."""

@@ -20,9 +20,10 @@ from typing import Any
 import numpy as np
 
 from solver import VERSION
-from solver.errors import SceneError, of_file
+from solver.errors import SceneError
 from solver.excitation.motion import GroundMotion
 from solver.parallel import Comm, Single, any_rank
+from solver.results.summary import draft_of
 from solver.scene import Scene
 from solver.scene.output import CheckpointSpec
 from solver.scene.reader import differing
@@ -47,6 +48,7 @@ TYPES = {
         "EdgeInterpolation",
     ),
     "solver.history.events": ("Event", "Meeting"),
+    "solver.run.pair_observer": ("Collision",),
     "solver.scheme.generalized_alpha": ("TangentWeights",),
     "solver.scheme.step_control": ("Ladder",),
     "solver.stepping.body_links": ("LinkMemory",),
@@ -126,16 +128,10 @@ def write_checkpoint(
         "header": np.array(json.dumps(header)),
         **{f"rank{k}": np.frombuffer(part, np.uint8) for k, part in enumerate(parts)},
     }
-    draft = file.with_name(file.name + ".part")
-    try:
-        with draft.open("wb") as stream:
-            np.savez(stream, **arrays)
-            stream.flush()
-            os.fsync(stream.fileno())
-        os.replace(draft, file)
-    except OSError as error:
-        draft.unlink(missing_ok=True)
-        raise of_file(error, file) from error
+    with draft_of(file) as draft, draft.open("wb") as stream:
+        np.savez(stream, **arrays)
+        stream.flush()
+        os.fsync(stream.fileno())
 
 
 def read_checkpoint(folder: Path, scene: Scene, ground: GroundMotion, comm: Comm) -> Checkpoint:
@@ -206,7 +202,7 @@ def _origin(scene: Scene, ground: GroundMotion) -> dict[str, Any]:
     Modes that a foundation is reduced to by itself depend on what the ground does up to the end.
     """
     tables = json.loads(json.dumps(scene.to_dict(), default=str))
-    if scene.foundation.reduced_modes != "auto":
+    if scene.foundation.modes != "auto":
         del tables["time"]["end"]
     found = hashlib.sha256()
     for part in ground.parts:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -22,6 +23,7 @@ from solver.excitation.spectrum import (
     response_spectrum,
     significant_duration,
 )
+from solver.info import table
 from solver.reference.initiation import expected_mode, has_expected_mode
 from solver.results.cautions import cautions_of_scene, percent
 from solver.scene import BlockSpec, Scene
@@ -30,7 +32,8 @@ from solver.scene.motion import G_UNIT
 from solver.scene.places import link_ends
 from solver.scene.time import TimeSpec
 
-Lines = list[tuple[str, str]]
+Lines = Iterable[tuple[str, str]]
+"""Names and texts."""
 
 MOST_FRICTION = 1.0
 """Coefficient of friction up to which flutter is looked for, unless a block has more."""
@@ -45,37 +48,37 @@ SPECTRUM_PERIODS = (0.1, 0.2, 0.5, 1.0, 2.0, 4.0)
 
 def describe(scene: Scene) -> str:
     """Describe a scene: derived numbers, expected mode, size of the mesh, steps."""
-    lines = [("scene", scene.title or "without a title")]
+    return table([*_lines(scene)])
+
+
+def _lines(scene: Scene) -> Lines:
+    """All lines of the description."""
+    yield "scene", scene.title or "without a title"
     for block in scene.blocks:
-        lines += _block_numbers(block, scene)
+        yield from _block_numbers(block, scene)
     ground = read_ground(scene)
-    lines += _foundation(scene, ground)
-    lines += [(f"friction{of}", text) for of, text in _frictions(scene)]
-    lines += _pairs(scene)
-    lines += _links(scene)
-    lines += _forces(scene)
-    lines += _beds(scene)
-    lines += _motions(scene, ground)
+    yield from _foundation(scene, ground)
+    yield from _frictions(scene)
+    yield from _pairs(scene)
+    yield from _links(scene)
+    yield from _forces(scene)
+    yield from _beds(scene)
+    yield from _motions(scene, ground)
     if has_expected_mode(scene):
-        lines.append(
-            ("expected mode", f"{expected_mode(scene, ground)} (rigid block; Shenton 1996)")
-        )
+        yield "expected mode", f"{expected_mode(scene, ground)} (rigid block; Shenton 1996)"
     for block in scene.blocks:
-        of = f" of {block.name}" if len(scene.blocks) > 1 else ""
-        lines.append((f"mesh{of}", block.mesh_in_words))
-        lines += _linear_solver(block, scene)
-    lines.append(("time", _steps(scene.time)))
-    lines += [("caution", text) for text in cautions_of_scene(scene, ground)]
-    return table(lines)
+        yield f"mesh{_of(block, scene)}", block.mesh_in_words
+        if block.model == "elastic":
+            mesh, d = block.mesh, scene.dimension
+            yield "  linear solver", solver_in_words(d * mesh.nodes, mesh.nodes_below, d)
+    yield "time", _steps(scene.time)
+    for text in cautions_of_scene(scene, ground):
+        yield "caution", text
 
 
-def _linear_solver(block: BlockSpec, scene: Scene) -> Lines:
-    """Linear solver of a meshed block; nothing where it has no mesh."""
-    if block.model == "rigid":
-        return []
-    mesh, d = block.mesh, scene.dimension
-    words = solver_in_words(d * mesh.nodes, mesh.nodes_below, d)
-    return [("  linear solver", words)]
+def _of(block: BlockSpec, scene: Scene) -> str:
+    """The name of a block behind that of a line, where there are several."""
+    return f" of {block.name}" if len(scene.blocks) > 1 else ""
 
 
 def _steps(span: TimeSpec) -> str:
@@ -96,45 +99,48 @@ def _block_numbers(block: BlockSpec, scene: Scene) -> Lines:
     if block.position is not None:
         on = f", with its centre at ({', '.join(f'{part:g}' for part in block.position)}) m"
     mean = "" if shape.is_even else "in the mean, "
-    lines = [
-        (block.name, f"{block.width:g} x {block.height:g} x {block.thickness:g} m{on}{tilt}"),
-        *_outline(block, shape),
-        ("  mass", f"{shape.mass:.6g} kg ({mean}{shape.density:.6g} kg/m3)"),
-    ]
+    yield block.name, f"{block.width:g} x {block.height:g} x {block.thickness:g} m{on}{tilt}"
+    yield from _outline(block, shape)
+    yield "  mass", f"{shape.mass:.6g} kg ({mean}{shape.density:.6g} kg/m3)"
     if not shape.is_even:
-        lines += _uneven(shape, scene.dimension)
-    lines += _rocking(block, shape, scene, "")
+        yield from _uneven(shape, scene.dimension)
+    yield from _rocking(block, shape, scene, "")
     if scene.dimension == 3:
-        lines += _rocking(block, shape.across((0.0, 1.0)), scene, "y") + _leaning(block, shape)
-    return lines + damping_of_block(block, scene) + _sliding(block, scene) + _start(block)
+        yield from _rocking(block, shape.across((0.0, 1.0)), scene, "y")
+        yield from _leaning(block, shape)
+    yield from damping_of_block(block, scene)
+    if block.model == "elastic":
+        yield "  steady sliding", _sliding(block, scene)
+    yield from _start(block)
 
 
 def _outline(block: BlockSpec, shape: Block) -> Lines:
     """What a shape is made of, or the feet of a box; nothing of other boxes."""
     solid, spec = shape.solid, block.given_shape
     if solid is None:
-        return []
+        return
+    if block.container is not None:
+        model = "" if block.scale == 1.0 else f" at a scale of {block.scale:g}"
+        yield "  container", f"{block.container}{model}, on its corner castings"
+        return
     if spec is None:
         low, high = shape.base or (0.0, 0.0)
-        if block.container is not None:
-            model = "" if block.scale == 1.0 else f" at a scale of {block.scale:g}"
-            return [("  container", f"{block.container}{model}, on its corner castings")]
         tall = f"{shape.height:g} m high with them, {high - low:g} m over their outer edges"
-        return [("  feet", f"{shape.feet}: {tall} along x")]
+        yield "  feet", f"{shape.feet}: {tall} along x"
+        return
     flat, count = solid.dimension == 2, len(solid.parts)
     facets = sum(len(part.faces) for part in solid.parts)
     parts = f"{count} convex parts" if count > 1 else "convex"
     if count == 1 and not solid.is_convex:
         parts = "a convex hull"
-    lines = [("  shape", f"{spec.kind}: {parts}, {facets} {'sides' if flat else 'facets'}")]
+    yield "  shape", f"{spec.kind}: {parts}, {facets} {'sides' if flat else 'facets'}"
     for number, each in enumerate((spec, *spec.union)):
         radius = each.radius(block.width)
         if radius is not None:
             of = f" part {number}" if number else ""
             sides = each.regular or each.sides
             off = 1e3 * chord_error(radius, sides)
-            within = f"{sides} facets, within the circle by at most {off:.3g} mm"
-            lines.append((f"  round{of}", within))
+            yield f"  round{of}", f"{sides} facets, within the circle by at most {off:.3g} mm"
     if (surface := solid.surface) is not None:
         more = solid.hull_excess
         how = "convex hull" if count == 1 else parts
@@ -144,21 +150,21 @@ def _outline(block: BlockSpec, shape: Block) -> Lines:
         text += f"{percent(abs(more))} % {'larger' if more >= 0 else 'smaller'}"
         if solid.coarse:
             text += f", without corners of less than {1e3 * solid.coarse:.3g} mm"
-        lines.append(("  surface", text))
-    return lines
+        yield "  surface", text
 
 
 def _uneven(shape: Block, dimension: int) -> Lines:
     """Centre of mass and inertia of a block whose mass is not spread evenly."""
     centre = ", ".join(f"{part:.5g}" for part in shape.centre_of_mass(dimension))
-    lines = [("  centre of mass", f"({centre}) m from the middle of the bottom")]
+    yield "  centre of mass", f"({centre}) m from the middle of the bottom"
     if dimension == 2:
-        return [*lines, ("  inertia", f"{shape.rotary_inertia:.6g} kg m2 about it")]
+        yield "  inertia", f"{shape.rotary_inertia:.6g} kg m2 about it"
+        return
     (x, xy, xz), (_, y, yz), (_, _, z) = shape.inertia_tensor
     text = f"{x:.6g} {y:.6g} {z:.6g} kg m2 about it"
     if any((xy, xz, yz)):
         text += f", xy {xy:.4g}, xz {xz:.4g}, yz {yz:.4g}"
-    return [*lines, ("  inertia", text)]
+    yield "  inertia", text
 
 
 def _leaning(block: BlockSpec, shape: Block) -> Lines:
@@ -167,11 +173,10 @@ def _leaning(block: BlockSpec, shape: Block) -> Lines:
     A box stands on one corner there, so that radius, frequency and restitution of an edge are none.
     """
     way = math.cos(block.tilt_direction), math.sin(block.tilt_direction)
-    if not block.tilt or min(map(abs, way)) < 1e-9:
-        return []
-    alpha = shape.across(way).slenderness(1 if block.tilt > 0 else -1)
-    name = f"  slenderness at {block.tilt_direction_deg:g} degrees"
-    return [(name, f"{alpha:.5f} rad = {math.degrees(alpha):.3f} degrees")]
+    if block.tilt and min(map(abs, way)) >= 1e-9:
+        alpha = shape.across(way).slenderness(1 if block.tilt > 0 else -1)
+        name = f"  slenderness at {block.tilt_direction_deg:g} degrees"
+        yield name, f"{alpha:.5f} rad = {math.degrees(alpha):.3f} degrees"
 
 
 def _rocking(block: BlockSpec, shape: Block, scene: Scene, axis: str) -> Lines:
@@ -180,23 +185,21 @@ def _rocking(block: BlockSpec, shape: Block, scene: Scene, axis: str) -> Lines:
     The shape is the block as it stands along that axis.
     """
     down, along = -scene.gravity_vector[-1], scene.gravity_vector[0] if not axis else 0.0
-    beside, lines = f" along {axis}" if axis else "", []
+    beside = f" along {axis}" if axis else ""
     sides = SIDES if shape.centre is not None and shape.centre[0] else (0,)
     for side in sides:
         of = f" towards {'-+'[side > 0]}{axis or 'x'}" if side else beside
         alpha = shape.slenderness(side)
         if not axis or side:
             name = "half diagonal R" if shape.centre is None else "radius R"
-            lines.append((f"  {name}{of}", f"{shape.radius(side):.4f} m"))
+            yield f"  {name}{of}", f"{shape.radius(side):.4f} m"
         name = f"  slenderness{'' if axis else ' alpha'}{of}"
-        lines.append((name, f"{alpha:.5f} rad = {math.degrees(alpha):.3f} degrees"))
+        yield name, f"{alpha:.5f} rad = {math.degrees(alpha):.3f} degrees"
         if down > 0:
-            uplift = _uplift(shape, scene, along, side)
-            lines.append((f"  frequency p{of}", f"{shape.frequency(down, side):.4f} 1/s"))
-            lines.append((f"  uplift{of} at", f"{uplift:.4f} g"))
+            yield f"  frequency p{of}", f"{shape.frequency(down, side):.4f} 1/s"
+            yield f"  uplift{of} at", f"{_uplift(shape, scene, along, side):.4f} g"
         on = f" on the edge at {'-+'[side > 0]}{axis or 'x'}" if side else beside
-        lines.append((f"  restitution{on}", _restitution(block, shape, scene, side)))
-    return lines
+        yield f"  restitution{on}", _restitution(block, shape, scene, side)
 
 
 def _restitution(block: BlockSpec, shape: Block, scene: Scene, side: int) -> str:
@@ -227,58 +230,51 @@ def damping_of_block(block: BlockSpec, scene: Scene) -> Lines:
     """Damping of an elastic block, and what it means for its first bending mode."""
     damping = scene.damping_of(block)
     if block.model != "elastic" or damping is None:
-        return []
+        return
     parts = [(damping.mass, "lambda_R", "1/s"), (damping.stiffness, "beta_R", "s")]
     given = [f"{name} {value:.3g} {unit}" for value, name, unit in parts if value]
     if not given:
-        return [("  damping", "none")]
+        yield "  damping", "none"
+        return
     frequency = scene.bending_frequency(block)
     ratio = f"{100 * damping.ratio(frequency):.2g} % of critical"
     whose = "its first" if block.is_box else "of the box around it the first"
     mode = f"{frequency / (2 * math.pi):.3g} Hz, {whose} bending mode, held at its base"
-    return [("  damping", f"{', '.join(given)}: {ratio} at {mode}")]
+    yield "  damping", f"{', '.join(given)}: {ratio} at {mode}"
 
 
-def _sliding(block: BlockSpec, scene: Scene) -> Lines:
+def _sliding(block: BlockSpec, scene: Scene) -> str:
     """The friction above which the steady sliding of a meshed block flutters, and what holds it."""
-    if block.model == "rigid":
-        return []
     if scene.dimension * block.mesh.nodes > MOST_LINEARISED:
-        text = f"not linearised: more than {MOST_LINEARISED} unknowns"
-        return [("  steady sliding", text)]
+        return f"not linearised: more than {MOST_LINEARISED} unknowns"
     try:
         from solver.build.meshed_body import modes_of_sliding
     except ImportError as error:
-        return [("  steady sliding", f"not linearised: {error}")]
+        return f"not linearised: {error}"
     modes, damping = modes_of_sliding(scene, block), scene.damping_of(block) or DampingSpec()
     friction = scene.friction_of(block).static
     onset = modes.onset(max(friction, MOST_FRICTION), damping)
     if onset is None:
-        return [("  steady sliding", f"does not flutter up to friction {MOST_FRICTION:g}")]
+        return f"does not flutter up to friction {MOST_FRICTION:g}"
     found = modes.flutter(max(friction, onset), damping)
     at = f"at {found.frequency / (2 * math.pi):.3g} Hz"
     if friction <= onset:
-        text = f"does not flutter at friction {friction:g}; above {onset:.2g} it would, {at}"
-    else:
-        text = (
-            f"flutters at friction {friction:g}, {at}, growing by {found.growth:.2g} 1/s; "
-            f"beta_R = {found.damping:.2g} s would hold it, this damping does up to {onset:.2g}"
-        )
-    return [("  steady sliding", text)]
+        return f"does not flutter at friction {friction:g}; above {onset:.2g} it would, {at}"
+    return (
+        f"flutters at friction {friction:g}, {at}, growing by {found.growth:.2g} 1/s; "
+        f"beta_R = {found.damping:.2g} s would hold it, this damping does up to {onset:.2g}"
+    )
 
 
 def _start(block: BlockSpec) -> Lines:
     """Velocities at the start, where there are any."""
-    turning = block.angular_velocity
-    vectors: list[tuple[str, tuple[float, ...], str]] = [
-        ("  velocity", block.velocity, "m/s"),
-        ("  angular velocity", turning if isinstance(turning, tuple) else (turning,), "rad/s"),
-    ]
-    return [
-        (name, f"{' '.join(f'{number:g}' for number in vector)} {unit}")
-        for name, vector, unit in vectors
-        if any(vector)
-    ]
+    vectors: dict[str, tuple[tuple[float, ...], str]] = {
+        "  velocity": (block.velocity, "m/s"),
+        "  angular velocity": (block.spins, "rad/s"),
+    }
+    for name, (vector, unit) in vectors.items():
+        if any(vector):
+            yield name, f"{' '.join(f'{number:g}' for number in vector)} {unit}"
 
 
 def _uplift(shape: Block, scene: Scene, along: float, side: int) -> float:
@@ -294,20 +290,18 @@ def _uplift(shape: Block, scene: Scene, along: float, side: int) -> float:
 
 def _foundation(scene: Scene, ground: GroundMotion) -> Lines:
     """Foundation that carries the blocks, with its natural period where it has one."""
-    lines = scene.foundation.describe(scene.dimension, scene.carried_mass)
+    yield from scene.foundation.describe(scene.dimension, scene.carried_mass)
     if scene.has_platform:
         mass, stiffness, damping = platform = scene.platform()
-        lines += [
-            ("  mass", f"{mass:.6g} kg (blocks / platform {scene.carried_mass / mass:.4g})"),
-            ("  stiffness", f"{stiffness:.6g} N/m"),
-            ("  damping", f"{damping:.6g} N s/m, {100 * platform.damping_ratio:.3g} % of critical"),
-            ("  natural period", f"{platform.period:.4g} s (empty, rigid)"),
-        ]
+        yield "  mass", f"{mass:.6g} kg (blocks / platform {scene.carried_mass / mass:.4g})"
+        yield "  stiffness", f"{stiffness:.6g} N/m"
+        ratio = f"{100 * platform.damping_ratio:.3g} % of critical"
+        yield "  damping", f"{damping:.6g} N s/m, {ratio}"
+        yield "  natural period", f"{platform.period:.4g} s (empty, rigid)"
     if scene.carrier_moves and scene.foundation.needs_mesh_engine:
-        lines.append(("  natural period", f"{_computed_period(scene):.4g} s (empty, of the mesh)"))
-    if scene.foundation.reduced_modes is not None:
-        lines += _reduction(scene, ground)
-    return lines
+        yield "  natural period", f"{_computed_period(scene):.4g} s (empty, of the mesh)"
+    if scene.foundation.modes is not None:
+        yield from _reduction(scene, ground)
 
 
 def _reduction(scene: Scene, ground: GroundMotion) -> Lines:
@@ -317,7 +311,7 @@ def _reduction(scene: Scene, ground: GroundMotion) -> Lines:
     except ImportError as error:
         raise EnvironmentTrouble(f"{error}, which modes need") from error
     names = ("  reduced to", "  modes", "  nodes kept", "  modes left out")
-    return list(zip(names, reduction_in_words(scene, ground), strict=True))
+    yield from zip(names, reduction_in_words(scene, ground), strict=True)
 
 
 def _computed_period(scene: Scene) -> float:
@@ -329,29 +323,28 @@ def _computed_period(scene: Scene) -> float:
     return natural_period(scene)
 
 
-def _frictions(scene: Scene) -> list[tuple[str, str]]:
+def _frictions(scene: Scene) -> Lines:
     """Friction of every block and its carrier; once where all are the same."""
     laws = {block.name: scene.friction_of(block) for block in scene.blocks}
     if len(set(laws.values())) == 1:
-        return [("", next(iter(laws.values())).words())]
-    return [(f" of {name}", law.words()) for name, law in laws.items()]
+        laws = {"": laws.popitem()[1]}
+    for name, law in laws.items():
+        yield f"friction of {name}" if name else "friction", law.words()
 
 
 def _pairs(scene: Scene) -> Lines:
     """Pairs of bodies with a law of their own."""
-    lines = []
     for pair in scene.pairs:
         friction, restitution = scene.law_between(*pair.between)
         text = f"friction {friction.words()}"
         if scene.is_rigid:
             text += f", restitution {restitution:g}"
-        lines.append((f"pair {' and '.join(pair.between)}", text))
-    return lines
+        yield f"pair {' and '.join(pair.between)}", text
 
 
 def _links(scene: Scene) -> Lines:
     """Links: what they join, how stiff they are, where they begin to act, flow and break."""
-    lines, placed = [], scene.poses() if scene.links else {}
+    placed = scene.poses() if scene.links else {}
     for link in scene.links:
         words = [f"{link.kind} between {' and '.join(link.between)}"]
         if link.is_axial:
@@ -372,13 +365,12 @@ def _links(scene: Scene) -> Lines:
         )
         words += [f"{name} {value:.4g} {unit}" for value, name, unit in values if value]
         words.append(f"period about {scene.link_period(link):.3g} s")
-        lines.append((f"link {link.name}", ", ".join(words)))
-    return lines
+        yield f"link {link.name}", ", ".join(words)
 
 
 def _forces(scene: Scene) -> Lines:
     """Forces on blocks: what they are when whole, and how they get there."""
-    lines, placed = [], scene.poses() if scene.forces else {}
+    placed = scene.poses() if scene.forces else {}
     for force in scene.forces:
         shape = next(block.shape for block in scene.blocks if block.name == force.on)
         vector = whole_force(force, placed[force.on], shape)
@@ -389,34 +381,32 @@ def _forces(scene: Scene) -> Lines:
             words += f", grows from {force.ramp[0]:g} to {force.ramp[1]:g} s"
         if force.table is not None:
             words += f", times a table up to {force.settled:g} s"
-        lines.append((f"force {force.name}", words))
-    return lines
+        yield f"force {force.name}", words
 
 
 def _beds(scene: Scene) -> Lines:
     """The bed below each block, and how long landings on it take."""
-    lines = []
     for block in scene.blocks:
         bed = scene.bed_of(block)
         if bed is not None:
-            of = f" of {block.name}" if len(scene.blocks) > 1 else ""
             text = f"{bed.stiffness:.3g} Pa/m, damped by {100 * scene.contact.damping:g} %"
-            lines.append((f"bed{of}", f"{text} of critical; landings take {bed.landing:.2g} s"))
-    return lines
+            yield (
+                f"bed{_of(block, scene)}",
+                f"{text} of critical; landings take {bed.landing:.2g} s",
+            )
 
 
 def _motions(scene: Scene, ground: GroundMotion) -> Lines:
     """The motion of the ground in each direction."""
     directions = dict(zip(scene.directions, ground.parts, strict=True))
     step = None if scene.time.adaptive else scene.time.step
-    lines = []
     for where, _ in scene.motions or (("motion", None),):
         heading, others = describe_motion(directions[where], step)
         name = f"  {where.partition('.')[2]}" if "." in where else "base motion"
         indent = " " * (len(name) - len(name.lstrip()) + 2)
-        lines.append((name, heading))
-        lines += [(f"{indent}{part}", text) for part, text in others]
-    return lines
+        yield name, heading
+        for part, text in others:
+            yield f"{indent}{part}", text
 
 
 def describe_motion(motion: BaseMotion | None, step: float | None) -> tuple[str, Lines]:
@@ -432,16 +422,11 @@ def describe_motion(motion: BaseMotion | None, step: float | None) -> tuple[str,
         read = [("read as", motion.source)] if motion.source else []
         samples = [*read, ("samples", _samples(motion))]
         return f"PGA {peak}", [*samples, *measures, _samples_and_steps(motion, step)]
-    lines = []
-    if isinstance(motion, Pulse):
-        lines = [
-            ("span", f"{motion.start:.4g} to {motion.start + motion.duration:.4g} s"),
-            (
-                "velocity",
-                f"up to {motion.peak_velocity:.4g} m/s, {motion.end_velocity:.4g} m/s in the end",
-            ),
-        ]
-    return f"peak {peak}", lines
+    if not isinstance(motion, Pulse):
+        return f"peak {peak}", []
+    velocity = f"up to {motion.peak_velocity:.4g} m/s, {motion.end_velocity:.4g} m/s in the end"
+    span = f"{motion.start:.4g} to {motion.start + motion.duration:.4g} s"
+    return f"peak {peak}", [("span", span), ("velocity", velocity)]
 
 
 def _samples(motion: SampledMotion) -> str:
@@ -483,9 +468,3 @@ def _samples_and_steps(motion: SampledMotion, step: float | None) -> tuple[str, 
     if abs(begin - round(begin)) > 1e-6:
         return "steps", f"the first sample, at {motion.time[0]:.6g} s, is inside one: {text}"
     return "steps", f"{step:g} s divides {motion.step:.6g} s: {round(parts)} between two samples"
-
-
-def table(lines: Lines) -> str:
-    """Names and values in two columns."""
-    width = max(len(name) for name, _ in lines) + 2
-    return "".join(f"{name:{width}}{value}\n" for name, value in lines)

@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, Protocol, TextIO
+from typing import Any, Literal, Protocol, TextIO
 
 from solver.errors import OutputTrouble
 from solver.excitation.motion import GroundMotion
@@ -59,7 +59,8 @@ class RunFiles:
         self._scene, self._folder, self._comm, self._also = scene, folder, comm, log
         self._resumed = resumed
         self.schedule = Schedule(scene.output.checkpoint if folder is not None else None, comm)
-        self._writes = folder is not None and comm.rank == 0
+        self._own = folder if comm.rank == 0 else None
+        """The folder on the rank that writes there."""
         self._history: History | None = None
         self._pairs: PairTable | None = None
         self._fields: Fields | None = None
@@ -78,11 +79,8 @@ class RunFiles:
         try:
             self._folder.mkdir(parents=True, exist_ok=True)
             self._write_scene(self._folder / "scene.toml")
-            log = self._folder / "run.log"
-            if self._resumed is None:
-                self._log = log.open("w", encoding="utf-8", buffering=1)
-            else:
-                self._log = log.open("a", encoding="utf-8", buffering=1)
+            mode: Literal["w", "a"] = "w" if self._resumed is None else "a"
+            self._log = (self._folder / "run.log").open(mode, encoding="utf-8", buffering=1)
         except OSError as error:
             raise self._trouble(error) from error
 
@@ -114,8 +112,8 @@ class RunFiles:
             if self._log is not None:
                 with suppress(OSError):
                     self._log.close()
-            if self._writes and self._folder is not None:
-                release_folder(self._folder)
+            if self._own is not None:
+                release_folder(self._own)
 
     def _write_rows(self) -> None:
         """Write the rows that are not in the file yet."""
@@ -123,21 +121,22 @@ class RunFiles:
             self._history.flush()
             if self._pairs is not None:
                 self._pairs.flush()
-            if self._writes and self._folder is not None and self._history.events is not None:
-                write_whole(self._folder / EVENTS, events_text(self._history.events))
+            if self._own is not None and self._history.events is not None:
+                write_whole(self._own / EVENTS, events_text(self._history.events))
 
     def _together(self, action: Callable[[], None]) -> None:
-        """Write something, each rank its part; collective.
+        """Write something, each rank its part, in time that counts as output; collective.
 
         Raises:
             OutputTrouble: One of them could not; on every rank alike.
         """
-        trouble = None
+        began, trouble = time.perf_counter(), None
         try:
             action()
         except OSError as error:
             trouble = self._trouble(error)
         everyone = [trouble] if isinstance(self._comm, Single) else self._comm.allgather(trouble)
+        self.output_seconds += time.perf_counter() - began
         found = next((one for one in everyone if one is not None), None)
         if found is not None:
             raise found
@@ -150,7 +149,7 @@ class RunFiles:
     @property
     def history_file(self) -> Path | None:
         """File of the history on rank 0; None elsewhere, and without a folder."""
-        return self._folder / "history.csv" if self._writes and self._folder is not None else None
+        return None if self._own is None else self._own / "history.csv"
 
     def open_history(self, columns: Sequence[str]) -> History:
         """The empty history of the run, with its file on rank 0; collective."""
@@ -170,7 +169,7 @@ class RunFiles:
 
     def open_pairs(self, names: Sequence[str]) -> PairTable:
         """The table of pairs of bodies, whose names are by their numbers; collective."""
-        file = self._folder / PAIRS if self._writes and self._folder is not None else None
+        file = None if self._own is None else self._own / PAIRS
         self._pairs = table = PairTable(file, names, self._scene.dimension)
         until = None if self._resumed is None else self._resumed.time * (1 + 1e-12)
         self._together(lambda: table.begin(until))
@@ -187,34 +186,23 @@ class RunFiles:
     def start(self, fields: Callable[[Path, FieldsBefore], Fields], description: str) -> None:
         """Log the run; open and write the fields of t = 0 where they are requested."""
         self.log(description)
-        folder = self._folder
-        if folder is not None and self._resumed is not None:
-            self._together(lambda: self._unlink_summary(folder))
-        if folder is not None and self._scene.output.fields != "none":
-            began = time.perf_counter()
+        folder, resumed, before = self._folder, self._resumed, FieldsBefore()
+        if folder is None:
+            return
+        if resumed is not None:
+            before = FieldsBefore(resumed.part, resumed.time * (1 + 1e-12))
+            self._taken = resumed.time
 
-            resumed = self._resumed
-            before = FieldsBefore()
-            if resumed is not None:
-                before = FieldsBefore(resumed.part, resumed.time * (1 + 1e-12))
-
-            def begin() -> None:
+        def begin() -> None:
+            if resumed is not None and self._own is not None:
+                # That of the part before, of which the run has read all by now.
+                (self._own / "summary.json").unlink(missing_ok=True)
+            if self._scene.output.fields != "none":
                 self._fields = fields(folder, before)
 
-            self._together(begin)
-            assert self._fields is not None
-            opened = self._fields
-            if resumed is None:
-                self._together(self._write_rows)
-                self._together(lambda: opened.write(0.0))
-            self._taken = 0.0 if resumed is None else resumed.time
-            self.output_seconds += time.perf_counter() - began
-            self.flush()
-
-    def _unlink_summary(self, folder: Path) -> None:
-        """Remove the summary of the part before, which the run has read all of by now."""
-        if self._writes:
-            (folder / "summary.json").unlink(missing_ok=True)
+        self._together(begin)
+        if self._fields is not None:
+            self.snapshot(0.0 if resumed is None else resumed.time)
 
     def next_snapshot(self, now: float) -> float:
         """The first time after `now` (s) at which a snapshot is due; never without a folder."""
@@ -231,9 +219,7 @@ class RunFiles:
         if self._comm.size > 1 or fields is not None:
             self.flush()  # where there is no room for fields, there is for rows beside them
         if fields is not None:
-            began = time.perf_counter()
             self._together(lambda: fields.write(now))
-            self.output_seconds += time.perf_counter() - began
 
     @property
     def late(self) -> bool:
@@ -243,12 +229,9 @@ class RunFiles:
 
     def flush(self) -> None:
         """Write the rows that wait; collective."""
-        if self._folder is None:
-            return
-        began = time.perf_counter()
-        self._together(self._write_rows)
-        self._flushed = time.perf_counter()
-        self.output_seconds += self._flushed - began
+        if self._folder is not None:
+            self._together(self._write_rows)
+            self._flushed = time.perf_counter()
 
     def keep(self, ground: GroundMotion, now: float, saved: Any) -> None:
         """Write a checkpoint of what was saved at a time, s; collective."""
@@ -256,19 +239,18 @@ class RunFiles:
         if folder is None or self._history is None:
             return
         self.flush()
-        began = time.perf_counter()
         part = 1 if self._resumed is None else self._resumed.part
         kept = Checkpoint(now, len(self._history), part, saved)
         self._together(
             lambda: write_checkpoint(folder / NAME, self._scene, ground, kept, self._comm)
         )
-        self.output_seconds += time.perf_counter() - began
 
     def finish(self, summary: dict[str, Any], line: str) -> None:
         """Write the summary, after all rows and fields; collective."""
         self.log(line)
-        folder = self._folder if self._writes else None
-        if folder is not None:
-            self._together(lambda: write_json(folder / "summary.json", summary))
-        else:
-            self._together(lambda: None)
+
+        def write() -> None:
+            if self._own is not None:
+                write_json(self._own / "summary.json", summary)
+
+        self._together(write)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -16,10 +16,10 @@ from solver.excitation.motion import GroundMotion
 from solver.fields.vtu import FieldsBefore
 from solver.history.events import Meeting
 from solver.history.history import scene_columns
-from solver.history.pairs import PairTable
 from solver.parallel import any_rank
 from solver.results.meetings import Contacts
-from solver.run.context import RunContext
+from solver.resumable import Resumable
+from solver.run.context import NO_PAIRS, Batch, RunContext
 from solver.run.describe import damping_of_block
 from solver.run.files import Fields
 from solver.run.observer import Observer
@@ -41,8 +41,16 @@ class _NextStep(NamedTuple):
     exchange: Exchange
 
 
-class MeshedRun:
+class MeshedRun(Resumable):
     """The engine of scenes with meshed bodies."""
+
+    CARRIED = (
+        *("state", "_stepper", "_ladder", "_judge", "_observer", "_pairs"),
+        *("steps", "_iterations", "_damped", "_coarse"),
+    )
+
+    first_pairs = NO_PAIRS
+    """What pairs of bodies do at t = 0, which no step tells of."""
 
     def __init__(
         self,
@@ -65,9 +73,7 @@ class MeshedRun:
         if len(scene.blocks) > 1 or scene.output.pairs or scene.blocks[0].position is not None:
             self._pairs = PairObserver(scene, self.assembly)
             self._stepper.tells_pushes = "all" if scene.output.pairs else "meetings"
-        self._table: PairTable | None = None
-        self._pair_rows: Array | None = None
-        self._steps = self._iterations = 0
+        self.steps = self._iterations = 0
         self._damped = self._coarse = 0
         span = scene.time
         self._ladder = Ladder(span.step, span.end, span.smallest, span.largest)
@@ -78,7 +84,6 @@ class MeshedRun:
             tolerance = Tolerance(scene.time.tolerance, scene.vibration_left)
             self._judge = Judge(error, tolerance, self.state)
         self._next: _NextStep | None = None
-        self._row: Array | None = None
         points = sum(link.interface.count for link in self._stepper.links)
         self.description = (
             f"{self._stepper.system.unknowns} unknowns, ranks: {comm.size}, {points} contact points"
@@ -102,28 +107,22 @@ class MeshedRun:
 
         return Snapshots(self, folder, self._scene, before)
 
+    @property
+    def body_names(self) -> Sequence[str]:
+        """Names of all bodies, by their numbers in pairs."""
+        return () if self._pairs is None else self._pairs.names
+
     def saved(self) -> dict[str, Any]:
         """State of the run, for `resume`."""
         self._next = None  # solved anew, here as in a run that goes on from this
-        return {
-            "state": self.state,
-            "stepper": self._stepper.saved(),
-            "ladder": self._ladder,
-            "judge": None if self._judge is None else self._judge.saved(),
-            "observer": self._observer.saved(),
-            "pairs": None if self._pairs is None else self._pairs.saved(),
-            "pair_rows": self._pair_rows,
-            "counts": (self._steps, self._iterations, self._damped, self._coarse),
-            "row": self._row,
-            "places": self._places,
-        }
+        return super().saved() | {"places": self._places}
 
     @property
     def _places(self) -> list[Array]:
         """Places of this rank's nodes in the undeformed mesh of each meshed body, (nodes, d), m."""
         return [body.nodes for body, _ in self._stepper.system.meshed]
 
-    def resume(self, saved: dict[str, Any]) -> None:
+    def resume(self, saved: Mapping[str, Any]) -> None:
         """Go on from where another engine of the same scene was saved; collective.
 
         Raises:
@@ -132,41 +131,23 @@ class MeshedRun:
         same = all(map(np.array_equal, saved["places"], self._places))
         if any_rank(self._stepper.system.comm, not same):
             raise SceneError("--resume", "a checkpoint of another mesh", "that of this run")
-        self.state = saved["state"]
-        self._stepper.resume(saved["stepper"])
-        self._ladder = saved["ladder"]
+        super().resume(saved)
         self._ladder.lead_to(self._scene.time.end)
-        if self._judge is not None:
-            self._judge.resume(saved["judge"])
-        self._observer.resume(saved["observer"])
-        if self._pairs is not None:
-            self._pairs.resume(saved["pairs"])
-        self._pair_rows = saved["pair_rows"]
-        self._steps, self._iterations, self._damped, self._coarse = saved["counts"]
-        self._row = saved["row"]
 
-    def loop(self, context: RunContext) -> tuple[str, str]:
-        """Step to the end; returns status and reason."""
-        if self._scene.output.pairs:
-            assert self._pairs is not None
-            self._table = context.files.open_pairs(self._pairs.names)
-        status, reason = self._advance_to_end(context)
-        if self._pairs is not None:
-            context.recorder.add(np.empty((0, len(self._observer.names))), self._pairs.rest())
-        self._last_row(context)
-        context.files.snapshot(self.state.time)
-        return status, reason
+    @property
+    def time(self) -> float:
+        """The time that the run has reached, s."""
+        return self.state.time
 
-    def _advance_to_end(self, context: RunContext) -> tuple[str, str]:
-        """Take steps until the run ends; returns status and reason."""
+    @property
+    def done(self) -> bool:
+        """True at the end."""
+        return self._ladder.done
+
+    def advance(self, context: RunContext, due: float) -> Batch:
+        """One step, as long as convergence and accuracy allow."""
         ladder, judge = self._ladder, self._judge
-        due = context.files.next_snapshot(self.state.time)
-        status, reason = "completed", ""
-        while not ladder.done:
-            stopped = context.stopped(self.state.time)
-            if stopped:
-                status, reason = "interrupted", stopped
-                break
+        while True:
             step = ladder.step
             try:
                 new, exchange = self._advance(self.state, step, ladder.then)
@@ -175,21 +156,22 @@ class MeshedRun:
                 self._log(f"step rejected {where}: {trouble}")
                 if ladder.reject():
                     continue
-                return "not converged", f"{where}: {trouble}"
+                return Batch(self._no_rows, reason=f"{where}: {trouble}", failed=True)
             coarse = judge is not None and not judge.accepts(new, step, self._following)
             if judge is not None and coarse and ladder.shorten(judge.halvings):
                 continue
             ladder.accept(climb=judge is None or judge.climbs())
-            ended = self._take(context, new, exchange, step, is_coarse=coarse)
-            if ended:
-                return "completed", ended
-            context.show(new.time, step, exchange.iterations)
-            if ladder.time >= due * (1 - 1e-12):
-                context.files.snapshot(self.state.time)
-                due = context.files.next_snapshot(self.state.time)
-            context.keep(self, self._steps, self.state.time)
-        context.keep(self, self._steps, self.state.time, ends=True)
-        return status, reason
+            self._coarse += coarse
+            return self._take(context, new, exchange, step)
+
+    def rest(self, context: RunContext, *, completed: bool) -> Batch:
+        """The collisions that go on where the run ends."""
+        return Batch(self._no_rows, () if self._pairs is None else self._pairs.rest())
+
+    @property
+    def _no_rows(self) -> Array:
+        """No rows of the history."""
+        return np.empty((0, len(self._observer.names)))
 
     def _advance(self, start: State, dt: float, end: float) -> tuple[State, Exchange]:
         """A step from a state to a time; one that was looked ahead to is not solved twice."""
@@ -213,35 +195,22 @@ class MeshedRun:
             self._stepper.join(start.active)
         return new
 
-    def _take(
-        self, context: RunContext, new: State, exchange: Exchange, dt: float, *, is_coarse: bool
-    ) -> str:
-        """Go on from where a step of length dt (s) led; returns why the run ends there, or ""."""
+    def _take(self, context: RunContext, new: State, exchange: Exchange, dt: float) -> Batch:
+        """Go on from where a step of length dt (s) led."""
         self._damped += self.state.is_damped(dt)
         met: Sequence[Meeting] = ()
+        pairs = NO_PAIRS
         if self._pairs is not None:
             met = self._pairs.step(self.state, new, exchange)
-            if self._table is not None:
-                self._pair_rows = self._pairs.rows(new, exchange, dt)
+            if self._scene.output.pairs:
+                pairs = self._pairs.rows(new, exchange, dt)
         happened = self._observer.link_events(self.state, new)
         self.state = new
-        self._steps += 1
+        self.steps += 1
         self._iterations += exchange.iterations
-        self._coarse += is_coarse
-        self._row = self._observer.row(new, exchange, dt)
-        context.recorder.add(self._row[None], met, happened)
-        found = context.watch.look(self._row[None])
-        if self._steps % self._scene.output.history_every == 0:
-            self._last_row(context)
-        return "" if found is None else found.reason
-
-    def _last_row(self, context: RunContext) -> None:
-        """Append the row of the last step, once."""
-        if self._row is not None:
-            context.history.append(self._row)
-            if self._table is not None and self._pair_rows is not None:
-                self._table.add(self._row[:1], self._pair_rows)
-            self._row = None
+        rows = self._observer.row(new, exchange, dt)[None]
+        ending = context.watch.look(rows)
+        return Batch(rows, met, happened, pairs, "" if ending is None else ending.reason)
 
     def contacts(self) -> Contacts | None:
         """The deepest overlap of bodies that neither carries the other."""
@@ -253,7 +222,7 @@ class MeshedRun:
         system = stepper.system
         bodies = [body for body, _ in system.meshed]
         return {
-            "steps": self._steps,
+            "steps": self.steps,
             "rejected_steps": self._ladder.rejected,
             "damped_steps": self._damped,
             "coarse_steps": self._coarse,

@@ -13,10 +13,12 @@ from solver.bodies.reduced_body import ReducedBody
 from solver.bodies.rigid_body import Oscillator
 from solver.build.assembly import Assembly
 from solver.build.foundation import FoundationBody
-from solver.history.columns import DISSIPATED_ENERGIES, check_filled
-from solver.history.engine_rows import EngineRows
+from solver.history.columns import DISSIPATED_ENERGIES
+from solver.history.engine_rows import energy_columns, platform_columns, rows_of, run_columns
 from solver.history.events import Event
+from solver.history.link_columns import LinkRows
 from solver.parallel import global_sum
+from solver.resumable import Resumable
 from solver.run.block_observer import BlockObserver
 from solver.run.structure_observer import StructureObserver
 from solver.scene.link import LinkSpec
@@ -27,11 +29,13 @@ _EXCHANGED = attrgetter("input", *DISSIPATED_ENERGIES)
 """Energies that a step takes in and dissipates, of an `Exchange`."""
 
 
-class Observer:
+class Observer(Resumable):
     """Motion of all blocks and of the platform, and the energy ledger.
 
     Slip and the dissipated energies are carried on from step to step, so every step has to be seen.
     """
+
+    CARRIED = ("_exchanged", "_start", "_blocks", "_platform")
 
     def __init__(
         self,
@@ -41,7 +45,7 @@ class Observer:
         links: Sequence[LinkSpec] = (),
     ):
         """Start where the run starts; `names` are the columns that are written down."""
-        self._stepper, self._specs = assembly.stepper, links
+        self._stepper = assembly.stepper
         members = {member.spec.name: member for member in assembly.members}
         self._blocks = [
             BlockObserver(member, self._stepper, state, members.get(member.spec.carrier))
@@ -53,19 +57,8 @@ class Observer:
         self._structure = None
         if "foundation.overturning_moment_Nm" in names:
             self._structure = StructureObserver(assembly)
-        self._rows = EngineRows(
-            {name: member.spec.shape for name, member in members.items()},
-            links,
-            dimension=self._stepper.system.dimension,
-            platform=self._platform is not None,
-            structure=None if self._structure is None else self._structure.parts,
-        )
+        self._links = LinkRows(links, self._stepper.system.dimension) if links else None
         self.names = tuple(names)
-        self._written = np.array([self._rows.names.index(name) for name in names])
-        self._row = np.full(len(self._rows.names), np.nan)  # filled anew at every step
-        self._parts = [self._row[places] for places in self._rows.blocks]
-        d = self._rows.dimension
-        self._feet = [self._row[places].reshape(-1, d) for places in self._rows.feet]
         # The datum of what carries the blocks is where it stands without load.
         self._at_rest = sum(
             member.body.mass * float(self._stepper.gravity @ member.body.centre)
@@ -73,22 +66,6 @@ class Observer:
         )
         self._exchanged: Sequence[float] = [0.0] * (1 + len(DISSIPATED_ENERGIES))
         self._start: float | None = None
-
-    def saved(self) -> dict[str, Any]:
-        """Values carried on from step to step, for `resume`."""
-        return {
-            "own": (self._exchanged, self._start),
-            "blocks": [block.saved() for block in self._blocks],
-            "platform": None if self._platform is None else self._platform.velocity,
-        }
-
-    def resume(self, saved: dict[str, Any]) -> None:
-        """Go on from the steps that another observer of the scene has seen."""
-        self._exchanged, self._start = saved["own"]
-        for block, own in zip(self._blocks, saved["blocks"], strict=True):
-            block.resume(own)
-        if self._platform is not None:
-            self._platform.velocity = saved["platform"]
 
     def row(self, state: State, exchange: Exchange, step: float) -> Array:
         """The values of a history row, in the order of the columns.
@@ -98,29 +75,22 @@ class Observer:
             exchange: What it exchanged.
             step: Its length, s.
         """
-        rows, row, links = self._rows, self._row, self._stepper.links
-        row[rows.run.time_s] = state.time
+        links = self._stepper.links
         closed = sum(np.count_nonzero(memory.force[:, 0] > 0) for memory in state.contacts)
         base = self._stepper.base(state.time)
-        rows.write_run(row, step, exchange.iterations, closed, base)
-        for block, part in zip(self._blocks, self._parts, strict=True):
-            block.write(state, links, part)
-        for block, feet in zip(self._blocks, self._feet, strict=True):
-            block.write_feet(state, feet)
+        known = run_columns(state.time, step, exchange.iterations, closed, base)
+        for block in self._blocks:
+            known |= block.columns(state, links)
         if self._platform is not None:
-            rows.write_platform(row, *self._platform.motion(state, step))
             forces = exchange.ground or self._stepper.ground_forces(state)
             shear = global_sum(self._stepper.system.comm, forces.total)
-            rows.write_base_shear(row, -shear)
+            known |= platform_columns(*self._platform.motion(state, step), -shear)
             if self._structure is not None:
-                self._structure.write(state, forces, row[rows.layout.foundation :])
-        if self._specs:
-            rows.links.write(row[None], self._link_numbers(state)[None])
-        begins = self._start is None
-        self._write_energies(state, exchange, row)
-        if begins:
-            check_filled(rows.names, row[None])
-        return row.take(self._written)
+                known |= self._structure.columns(state, forces)
+        if self._links is not None:
+            known |= self._links.columns(self._link_numbers(state)[None])
+        known |= self._energies(state, exchange)
+        return rows_of(self.names, known)[0]
 
     def _link_numbers(self, state: State) -> Array:
         """All links in a state, as `LinkStates` takes them apart."""
@@ -130,12 +100,12 @@ class Observer:
 
     def link_events(self, before: State, after: State) -> tuple[Event, ...]:
         """What happened to links in the step between two states."""
-        if not self._specs:
+        if self._links is None:
             return ()
         numbers = np.array([self._link_numbers(state) for state in (before, after)])
-        return tuple(self._rows.links.events(numbers, np.array([after.time])))
+        return tuple(self._links.events(numbers, np.array([after.time])))
 
-    def _write_energies(self, state: State, exchange: Exchange, row: Array) -> None:
+    def _energies(self, state: State, exchange: Exchange) -> dict[str, Any]:
         """Stored, taken in and dissipated energy, J."""
         stepper, system = self._stepper, self._stepper.system
         moved = global_sum(system.comm, system.directional_mass.dot(state.u))
@@ -146,11 +116,13 @@ class Observer:
         self._exchanged = [before + step for before, step in now]
         if self._start is None:
             self._start = sum(stored)
-        self._rows.write_energies(row, stored, self._exchanged, self._start)
+        return energy_columns(stored, self._exchanged, self._start)
 
 
-class PlatformObserver:
+class PlatformObserver(Resumable):
     """Drift, velocity and acceleration of what carries the blocks, where it moves as a whole."""
+
+    CARRIED = ("velocity",)
 
     def __init__(self, assembly: Assembly):
         """Start at rest."""

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from solver.contact.hull import gaps
 from solver.history.events import Meeting
 from solver.history.pairs import pair_tangents
 from solver.results.meetings import Contacts
+from solver.resumable import Resumable
 from solver.run.observer import mean_of_top
 from solver.scene import BlockSpec, Scene
 from solver.scene.laws import GROUND
@@ -56,8 +56,10 @@ class Collision:
     is_told: bool = False
 
 
-class PairObserver:
+class PairObserver(Resumable):
     """Collisions of all bodies but those of blocks with what carries them, and rows of pairs."""
+
+    CARRIED = ("_open", "_slips", "_gaps", "_deepest")
 
     def __init__(self, scene: Scene, assembly: Assembly):
         """Begin where nothing has touched."""
@@ -78,22 +80,6 @@ class PairObserver:
         self._slips: dict[tuple[int, int], Array] = {}
         self._gaps: dict[tuple[int, int], float] = {}
         self._deepest: tuple[float, float, str, str] | None = None
-
-    def saved(self) -> dict[str, Any]:
-        """Values carried on from step to step, for `resume`."""
-        return {
-            "open": [(*pair, asdict(each)) for pair, each in self._open.items()],
-            "slips": [(*pair, slip) for pair, slip in self._slips.items()],
-            "gaps": [(*pair, gap) for pair, gap in self._gaps.items()],
-            "deepest": self._deepest,
-        }
-
-    def resume(self, saved: dict[str, Any]) -> None:
-        """Go on from the steps that another observer has seen."""
-        self._open = {(a, b): Collision(**values) for a, b, values in saved["open"]}
-        self._slips = {(a, b): slip for a, b, slip in saved["slips"]}
-        self._gaps = {(a, b): gap for a, b, gap in saved["gaps"]}
-        self._deepest = saved["deepest"]
 
     @property
     def contacts(self) -> Contacts:
@@ -122,7 +108,8 @@ class PairObserver:
             own.impulse = own.impulse + whole.impulse
             own.normal = own.normal + whole.normal
             own.last = after.time
-            self._look_at_end(own, pair, after, place)
+            seen = self._relative(pair, after, place, own.normal)
+            own.departure, _, own.later_spin = seen
         return list(self._ended(after.time, after.time - before.time))
 
     def rest(self) -> list[Meeting]:
@@ -148,28 +135,29 @@ class PairObserver:
         self, pair: tuple[int, int], before: State, place: Array, normal: Array
     ) -> Collision:
         """A collision that begins in the step after a state."""
-        n = normal / np.linalg.norm(normal)
-        (own, spin), (other, spin_other) = (self._velocity(k, before, place) for k in pair)
+        speed, brought, spin = self._relative(pair, before, place, normal)
         return Collision(
             begins=before.time,
-            approach=-float((own - other) @ n),
-            brought=-float(own @ n),
-            spin=spin - spin_other,
+            approach=-speed,
+            brought=-brought,
+            spin=spin,
             impulse=np.zeros(self._d),
             normal=np.zeros(self._d),
             last=before.time,
             departure=0.0,
-            later_spin=spin - spin_other,
+            later_spin=spin,
         )
 
-    def _look_at_end(
-        self, own: Collision, pair: tuple[int, int], after: State, place: Array
-    ) -> None:
-        """Take the velocities after a step for those after a collision."""
-        n = own.normal / np.linalg.norm(own.normal)
-        (one, spin), (other, spin_other) = (self._velocity(k, after, place) for k in pair)
-        own.departure = float((one - other) @ n)
-        own.later_spin = spin - spin_other
+    def _relative(
+        self, pair: tuple[int, int], state: State, place: Array, normal: Array
+    ) -> tuple[float, float, Array]:
+        """Speed of the first body along a normal and its spin, against the second, m/s and rad/s.
+
+        Between them the part of that speed which the first brings.
+        """
+        n = normal / np.linalg.norm(normal)
+        (own, spin), (other, spin_other) = (self._velocity(k, state, place) for k in pair)
+        return float((own - other) @ n), float(own @ n), spin - spin_other
 
     def _ended(self, time: float, dt: float) -> Iterator[Meeting]:
         """The collisions that are over by a time (s), after a step, or that go on for good."""

@@ -26,6 +26,8 @@ def rescaled(scene: Scene, scale: Scale, file: Path | None) -> str:
         SceneError: There are samples and no file beside which they could go, or the model is
             beyond the limits of scenes, and nothing is written then; a file exists.
     """
+    import tomli_w
+
     if file is not None:
         open_folder(file.parent)
     sampled = _sampled(scene)
@@ -42,8 +44,8 @@ def rescaled(scene: Scene, scale: Scale, file: Path | None) -> str:
         times = 1 / scale.lengths if scale.lengths < 1 else scale.lengths
         ratio = f"1:{times:.6g}" if scale.lengths < 1 else f"{times:.6g}:1"
         tables["title"] = f"{scene.title}, {ratio}" if scene.title else ratio
-        model = parse_scene(tables, folder=file.parent if file else ".")
-        text = _as_toml(model, {path: beside.name for path, beside in files.items()})
+        parse_scene(tables, folder=file.parent if file else ".")  # is refused here if it is none
+        text = tomli_w.dumps(tables)
         if file is not None:
             write_whole(file, text)
     except BaseException:
@@ -76,16 +78,3 @@ def _table(motion: SampledMotion, scale: Scale, beside: Path) -> dict[str, Any]:
     ]
     write_whole(beside, "\n".join(lines) + "\n")
     return {"kind": "table", "file": beside.name, "units": "m/s2"}
-
-
-def _as_toml(scene: Scene, names: dict[str, str]) -> str:
-    """The scene as TOML, with names of files beside it, by the paths of the tables of motions."""
-    import tomli_w
-
-    tables = scene.to_dict()
-    for path, name in names.items():
-        motion = tables["motion"]
-        for direction in path.split(".")[1:]:
-            motion = motion[direction]
-        motion["file"] = name
-    return tomli_w.dumps(tables)

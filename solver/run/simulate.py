@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
@@ -10,8 +9,6 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from solver.errors import missing_key
 from solver.excitation.motion import GroundMotion, read_ground
@@ -21,16 +18,14 @@ from solver.history.history import History, scene_columns
 from solver.info import versions
 from solver.parallel import Comm, Single, on_first_rank, world
 from solver.results.cautions import cautions_of_input
-from solver.results.endings import Watch
-from solver.results.events import Recorder
 from solver.results.report import told_lines
 from solver.results.summary import summarise
-from solver.run.checkpoint import Checkpoint, read_checkpoint
+from solver.run.checkpoint import read_checkpoint
 from solver.run.context import Engine, ProgressReport, RunContext
 from solver.run.files import RunFiles
 from solver.run.folders import renew_folder
 from solver.run.interruption import Interruption
-from solver.run.twin import finer_twin_of, horizon_beside, refuse_without_twin
+from solver.run.twin import horizon_beside, refuse_without_twin
 from solver.scene import Scene
 from solver.scene.checking import shown
 
@@ -123,12 +118,42 @@ def simulate(
             stack.callback(progress.close)
         engine = engine_for(scene, ground, files, petsc_options, comm)
         history = files.open_history(scene_columns(scene))
-        watch, recorder = Watch(scene), Recorder(scene, history.columns)
-        context = RunContext(scene, history, files, interruption, watch, recorder, progress, ground)
+        context = RunContext(scene, history, files, interruption, progress, ground)
         cautions = [*engine.remarks, *cautions_of_input(scene, ground)]
-        until = None if seconds is None else began + seconds
-        twin = partial(_twin, comm=comm, until=until, petsc_options=petsc_options)
-        status, summary = _run(engine, context, began, cautions, resumed, twin)
+        for where, part in zip(scene.directions, ground.parts, strict=True):
+            if isinstance(part, SampledMotion) and part.source:
+                files.log(f"{where}: {part.source}")
+        for text in cautions:
+            files.log(f"caution: {text}")
+        context.begin(engine, resumed)
+        files.start(engine.open_fields, engine.description)
+        ready, written = time.perf_counter(), files.output_seconds
+        status, reason = context.loop(engine)
+        stepped = time.perf_counter() - ready - (files.output_seconds - written)
+        cost = {
+            "wall_s": stepped,
+            "setup_s": ready - began - written,
+            "output_s": files.output_seconds,
+            **engine.cost(),
+        }
+        summary = summarise(
+            scene,
+            history,
+            status=status,
+            cost=cost,
+            versions=versions(),
+            reason=reason,
+            cautions=cautions,
+            ground=ground,
+            contacts=engine.contacts(),
+        )
+        if scene.output.twin and status == "completed":
+            until = None if seconds is None else began + seconds
+            twin = partial(_twin, comm=comm, until=until, petsc_options=petsc_options)
+            summary["horizon"] = horizon_beside(scene, history, twin)
+        for line in told_lines(summary):
+            files.log(line)
+        files.finish(summary, f"{status}{': ' if reason else ''}{reason}")
     return Result(status, history, summary)
 
 
@@ -148,76 +173,11 @@ def _refuse(scene: Scene, folder: Path | None, options: Sequence[str], *, resume
         check_options(options)
 
 
-def _twin(scene: Scene, *, comm: Comm, until: float | None, petsc_options: Sequence[str]) -> Result:
-    """The twin of a scene, run without any files, up to a time of the performance counter, s."""
+def _twin(
+    scene: Scene, *, comm: Comm, until: float | None, petsc_options: Sequence[str]
+) -> tuple[str, History]:
+    """Status and history of a twin, without files, up to a time of the performance counter, s."""
     left = None if until is None else until - time.perf_counter()
     alike: dict[str, Any] = {"comm": comm, "petsc_options": petsc_options}
-    return simulate(finer_twin_of(scene), seconds=left, **alike)
-
-
-def _run(
-    engine: Engine,
-    context: RunContext,
-    began: float,
-    cautions: Sequence[str],
-    resumed: Checkpoint | None,
-    twin: Callable[[Scene], Result],
-) -> tuple[str, dict[str, Any]]:
-    """From the first row to the summary; returns status and summary.
-
-    The engine is set up, the history empty, and the run `began` at a time of the performance
-    counter, s, with these cautions; it may go on from a checkpoint. `twin` runs
-    the twin of the scene, if the scene has one.
-    """
-    scene, history, files = context.scene, context.history, context.files
-    for where, part in zip(scene.directions, context.ground.parts, strict=True):
-        if isinstance(part, SampledMotion) and part.source:
-            files.log(f"{where}: {part.source}")
-    for text in cautions:
-        files.log(f"caution: {text}")
-    if resumed is None:
-        first = np.array(engine.first_row())
-        history.append(first)
-        context.watch.look(first[None])
-        context.recorder.add(first[None])
-    else:
-        own, before, recorded = resumed.saved
-        engine.resume(own)
-        context.watch.resume(before)
-        context.recorder.resume(recorded)
-        files.log(f"resumed at t = {resumed.time:.6g} s")
-    files.start(engine.open_fields, engine.description)
-    ready, written = time.perf_counter(), files.output_seconds
-    if context.progress is not None:
-        context.progress.begin(0.0 if resumed is None else resumed.time)
-    gc.freeze()  # what dolfinx and UFL have loaded is no garbage: 5 % of a small step
-    try:
-        status, reason = engine.loop(context)
-        history.events = context.recorder.finish()
-        files.flush()
-    finally:
-        gc.unfreeze()
-    loop = time.perf_counter() - ready - (files.output_seconds - written)
-    cost = {
-        "wall_s": loop,
-        "setup_s": ready - began - written,
-        "output_s": files.output_seconds,
-        **engine.cost(),
-    }
-    summary = summarise(
-        scene,
-        history,
-        status=status,
-        cost=cost,
-        versions=versions(),
-        reason=reason,
-        cautions=cautions,
-        ground=context.ground,
-        contacts=engine.contacts(),
-    )
-    if scene.output.twin and status == "completed":
-        summary["horizon"] = horizon_beside(scene, history, lambda: twin(scene))
-    for line in told_lines(summary):
-        files.log(line)
-    files.finish(summary, f"{status}{': ' if reason else ''}{reason}")
-    return status, summary
+    run = simulate(scene, seconds=left, **alike)
+    return run.status, run.history

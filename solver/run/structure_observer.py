@@ -11,8 +11,7 @@ import scipy.sparse as sp
 from solver.bodies.elastic_body import ElasticBody
 from solver.bodies.reduced_body import ReducedBody
 from solver.build.assembly import Assembly
-from solver.history.columns import Structure, positions
-from solver.history.engine_rows import DIRECTIONS
+from solver.history.engine_rows import along, of_owner
 from solver.parallel import global_sum
 from solver.stepping.point_table import joined
 from solver.stepping.state import GroundForces, State
@@ -31,32 +30,24 @@ class StructureObserver:
         sparse = [floor for floor in floors if sp.issparse(floor)]
         self._floors: Sequence[Any] = [sp.vstack(sparse, format="csr")] if sparse else floors
         self._own = self._stepper.system.slices[support.number]
-        d = self._body.dimension
-        self._at = tuple(positions(part, d) for part in ("foundation", "storey", "column"))
 
-    @property
-    def parts(self) -> Structure:
-        """Numbers of storeys and columns."""
-        return Structure(len(self._storeys.floors), len(self._storeys.feet))
-
-    def write(self, state: State, forces: GroundForces, row: Array) -> None:
+    def columns(self, state: State, forces: GroundForces) -> dict[str, Any]:
         """The columns of the structure but its base shear, of its storeys and of its columns.
 
         By the state after a step, and the mean forces of the ground in the step.
         """
-        own, storey, column = self._at
         d, (base, *feet) = self._body.dimension, self._resultants(forces, state)
-        for k, direction in enumerate(DIRECTIONS[: d - 1]):
-            row[getattr(own, f"overturning_moment{direction}_Nm")] = base[d + k]
-        floors = row[len(own) :]
-        self._write_storeys(state, floors)
-        columns = floors[len(storey) * len(self._storeys.floors) :]
-        for number, foot in enumerate(feet):
-            part, pushed, moment = columns[len(column) * number :], foot[:d], foot[d:]
-            part[column.axial_force_N] = pushed[-1]
-            for k, direction in enumerate(DIRECTIONS[: len(moment)]):
-                part[getattr(column, f"shear{direction}_N")] = -pushed[k]
-                part[getattr(column, f"moment{direction}_Nm")] = moment[k]
+        known = along("overturning_moment{}_Nm", base[d:]) | self._storey_columns(state)
+        for number, foot in enumerate(feet, start=1):
+            known |= of_owner(
+                f"column_{number}",
+                {
+                    "axial_force_N": foot[d - 1],
+                    **along("shear{}_N", -foot[: d - 1]),
+                    **along("moment{}_Nm", foot[d:]),
+                },
+            )
+        return of_owner("foundation", known)
 
     def _resultants(self, forces: GroundForces, state: State) -> Array:
         """Forces of the ground on all nodes, and on those of each foot, with their moments.
@@ -77,19 +68,17 @@ class StructureObserver:
             own[number, :d], own[number, d:] = np.add.reduce(pushed, axis=0), arm.T @ pushed[:, -1]
         return global_sum(self._body.comm, own)
 
-    def _write_storeys(self, state: State, row: Array) -> None:
+    def _storey_columns(self, state: State) -> dict[str, Any]:
         """Drifts and velocities of the storeys."""
-        at, floors = self._at[1], self._storeys.floors
-        if not floors:
-            return
+        known = dict[str, Any]()
+        if not self._storeys.floors:
+            return known
         place, velocity = (self._means(vector[self._own]) for vector in (state.u, state.v))
-        drift = place.copy()
-        drift[1:] -= place[:-1]
-        for number in range(len(floors)):
-            part = row[len(at) * number :]
-            for k, direction in enumerate(DIRECTIONS[: place.shape[1]]):
-                part[getattr(at, f"drift{direction}_m")] = drift[number, k]
-                part[getattr(at, f"velocity{direction}_m_s")] = velocity[number, k]
+        drift = np.diff(place, axis=0, prepend=0.0)
+        for k in range(len(drift)):
+            motion = along("drift{}_m", drift[k]) | along("velocity{}_m_s", velocity[k])
+            known |= of_owner(f"storey_{k + 1}", motion)
+        return known
 
     def _means(self, vector: Array) -> Array:
         """Horizontal means over the floors, (floors, d - 1)."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -115,27 +115,19 @@ def horizon(scene: Scene, history: History, twin: History) -> float | None:
     return None if len(time) == len(history["time_s"]) else float(time[-1])
 
 
-class TwinRun(Protocol):
-    """Run of a twin."""
-
-    @property
-    def status(self) -> str:
-        """Status at its end."""
-
-    @property
-    def history(self) -> History:
-        """Its history."""
-
-
 def horizon_beside(
-    scene: Scene, history: History, run_twin: Callable[[], TwinRun]
+    scene: Scene, history: History, run_twin: Callable[[Scene], tuple[str, History]]
 ) -> dict[str, Any]:
-    """Entry of a summary on the time up to which a run and its twin, run now, are the same."""
+    """Entry of a summary on the time up to which a run and its twin, run now, are the same.
+
+    `run_twin` gives status and history of the run of a scene.
+    """
+    twin = finer_twin_of(scene)
     perturbed = "start" if scene.motion is None else "motion"
     known: dict[str, Any] = {"perturbed": perturbed, "perturbation": PERTURBATION, "apart": APART}
-    known["tolerance"] = finer_twin_of(scene).time.tolerance
+    known["tolerance"] = twin.time.tolerance
     try:
-        beside = run_twin()
+        status, beside = run_twin(twin)
     except RockslipError as error:  # the run itself is done
         return known | {"status": f"refused: {error}", "time_s": None}
-    return known | {"status": beside.status, "time_s": horizon(scene, history, beside.history)}
+    return known | {"status": status, "time_s": horizon(scene, history, beside)}

@@ -9,17 +9,23 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from geometry import density as densities
 from geometry.block import Block
-from solver.errors import SceneError, Statement, missing_key, not_applicable
+from solver.errors import SceneError, Statement, missing_key
 from solver.scene.cells import (
     MeshSize,
-    cell_of,
-    cells_of,
+    cells_in,
     default_cell_size,
     mesh_of_box,
     mesh_of_file,
     mesh_of_shape,
 )
-from solver.scene.checking import OPEN, Checked, exactly_one, is_open, refuse_length, shown
+from solver.scene.checking import (
+    OPEN,
+    Checked,
+    exactly_one,
+    is_open,
+    only_where,
+    shown,
+)
 from solver.scene.contact import FrictionSpec
 from solver.scene.container import ContainerName, Load, castings, mass_of, sizes_of
 from solver.scene.damping import (
@@ -87,6 +93,9 @@ FOOT = 1e-3
 
 #: The key that a block without elastic constants needs.
 RIGID_MODEL = 'model = "rigid"'
+
+RIGID_ONLY = f"blocks with {RIGID_MODEL} only"
+"""The blocks to which keys apply that have no meaning for elastic ones."""
 
 #: Numbers of cells by default.
 DEFAULT_CELLS: dict[Dimension, Cells] = {2: (6, 16), 3: (6, 6, 16)}
@@ -234,8 +243,7 @@ class BlockSpec(Checked):
         self._check_place()
         self._check_lengths()
         self._check_mass()
-        if self.restitution is not None and self.model != "rigid":
-            raise not_applicable("restitution", f"blocks with {RIGID_MODEL} only")
+        only_where(self, self.model == "rigid", RIGID_ONLY, "inertia", "restitution")
         if self.model == "elastic":
             for key, range_ in (("young", "young > 0"), ("poisson", "0 <= poisson < 0.5")):
                 if getattr(self, key) is None:
@@ -247,8 +255,7 @@ class BlockSpec(Checked):
         self._check_container()
         if self.feet == ():
             raise SceneError("feet", "none", "a table for all, or an array of one table each")
-        if self.feet is not None and shape is not None:
-            raise not_applicable("feet", "boxes only; a shape has them as shape.union")
+        only_where(self, shape is None, "boxes only; a shape has them as shape.union", "feet")
         for key in ("width", "height") if shape is None else own_keys(shape):
             if is_open(getattr(self, key)):
                 raise missing_key(key, f"({key} > 0)")
@@ -256,8 +263,8 @@ class BlockSpec(Checked):
         if shape is None:
             return
         shape.refuse_keys_of_parts()
-        if self.centre_of_mass is not None and self.model != "rigid":
-            raise not_applicable("centre_of_mass", f"boxes, and shapes with {RIGID_MODEL}, only")
+        what = f"boxes, and shapes with {RIGID_MODEL}, only"
+        only_where(self, self.model == "rigid", what, "centre_of_mass")
         if self.parts:
             raise Statement("parts", "are for boxes; a shape has them as shape.union")
         if self.centre_of_mass is not None and self.inertia is None:
@@ -266,12 +273,9 @@ class BlockSpec(Checked):
     def _check_container(self) -> None:
         """Refuse a container that is something else, too, and its keys without one."""
         if self.container is None:
-            for key in ("load", "scale"):
-                if getattr(self, key) is not None:
-                    raise not_applicable(key, "containers only")
+            only_where(self, False, "containers only", "load", "scale")
             return
-        if self.model != "rigid":
-            raise not_applicable("container", f"blocks with {RIGID_MODEL} only")
+        only_where(self, self.model == "rigid", RIGID_ONLY, "container")
         for key, other in (("shape", self.given_shape), ("feet", self.feet)):
             if other is not None:
                 raise SceneError(key, f"both container and {key}", "one of them")
@@ -283,16 +287,13 @@ class BlockSpec(Checked):
         if self.model == "rigid" and self.given_shape is None and not self.is_box:
             return
         if self.is_box:
-            if not is_open(self.cell_size):
-                raise not_applicable("cell_size", "blocks with a shape only; a box has cells")
+            what = "blocks with a shape only; a box has cells"
+            only_where(self, False, what, "cell_size")
             return
-        if self.takes_mesh and not is_open(self.cell_size):
-            raise not_applicable("cell_size", "shapes that are meshed; a .msh is taken as it is")
+        what = "shapes that are meshed; a .msh is taken as it is"
+        only_where(self, not self.takes_mesh, what, "cell_size")
         what = "a shape has a cell_size" if self.feet is None else "on feet it has a cell_size"
-        given = {"cells": self.cells, "cell": self.cell, "refinement": self.refinement}
-        for key, value in given.items():
-            if not (is_open(value) or value == 1.0):
-                raise not_applicable(key, f"boxes only; {what}")
+        only_where(self, False, f"boxes only; {what}", "cells", "cell", "refinement")
 
     def _check_mass(self) -> None:
         """Refuse a mass that is not given, or given twice."""
@@ -304,16 +305,12 @@ class BlockSpec(Checked):
                     raise Statement(key, "follows from density and parts; give it or these")
             if self.density is None:
                 raise missing_key("density", "beside parts: that of the rest of the block")
-        if self.inertia is not None and self.model != "rigid":
-            raise not_applicable("inertia", f"blocks with {RIGID_MODEL} only")
 
     def _check_spread(self, dimension: Dimension) -> None:
         """Refuse a centre of mass, an inertia or parts that a block of this dimension cannot have.
 
         Where the density follows from the centre of mass, it must be negative nowhere.
         """
-        for part in self.parts:
-            refuse_length("parts", part.start, dimension)
         refuse_parts(self.parts, self._sizes(dimension))
         if self.inertia is not None:
             if isinstance(self.inertia, tuple) != (dimension == 3):
@@ -323,7 +320,6 @@ class BlockSpec(Checked):
             refuse_inertia(self.inertia)
         low, high = self._ends(dimension)
         if self.centre_of_mass is not None:
-            refuse_length("centre_of_mass", self.centre_of_mass, dimension)
             refuse_centre(self.centre_of_mass, low, high)
         if self.inertia is not None:
             body = self._body(dimension)
@@ -361,22 +357,22 @@ class BlockSpec(Checked):
         for key in ("offset_second", "tilt_direction_deg"):
             if dimension == 2 and getattr(self, key):
                 raise SceneError(key, shown(getattr(self, key)), "0 where dimension = 2")
-        refuse_length("position", self.position, dimension)
         sized = replace(self, **self._lengths_in(dimension))
         sized._feet_in(dimension)
         sized._check_spread(dimension)
+        still: Any = (0.0,) * dimension
+        spin = 0.0 if dimension == 2 else still
         return replace(
             sized,
-            velocity=self._velocity_in(dimension),
-            angular_velocity=self._spin_in(dimension),
+            velocity=still if is_open(self.velocity) else self.velocity,
+            angular_velocity=spin if is_open(self.angular_velocity) else self.angular_velocity,
             **self._cells_in(dimension),
         )
 
     def _cells_in(self, dimension: Dimension) -> dict[str, Any]:
         """Number and shape of the cells of a box; their size in a shape, if that is elastic."""
         if self.is_box or (self.given_shape is None and self.model == "rigid"):
-            cells = cells_of(self, dimension, DEFAULT_CELLS[dimension])
-            return {"cells": cells, "cell": cell_of(self, dimension)}
+            return cells_in(self.cells, self.cell, dimension, DEFAULT_CELLS[dimension])
         if self.takes_mesh:
             self._own_cells()  # is refused here if it is none
         if self.model == "rigid" or self.takes_mesh:
@@ -445,22 +441,6 @@ class BlockSpec(Checked):
         width = self.width if self.given_shape and self.given_shape.kind == "regular" else None
         height = self.height if self.given_shape and self.given_shape.kind == "cylinder" else None
         return Sizes(width, height, self.thickness or 1.0, self.density or 1.0)
-
-    def _velocity_in(self, dimension: Dimension) -> Vector:
-        if is_open(self.velocity):
-            return (0.0, 0.0) if dimension == 2 else (0.0, 0.0, 0.0)
-        refuse_length("velocity", self.velocity, dimension)
-        return self.velocity
-
-    def _spin_in(self, dimension: Dimension) -> Rotation:
-        given = self.angular_velocity
-        if is_open(given):
-            return 0.0 if dimension == 2 else (0.0, 0.0, 0.0)
-        if isinstance(given, tuple) != (dimension == 3):
-            allowed = "a finite number" if dimension == 2 else "3 values, each a finite number,"
-            where = f"{allowed} where dimension = {dimension}"
-            raise SceneError("angular_velocity", shown(given), where)
-        return given
 
     @property
     def carriers(self) -> tuple[str, ...]:

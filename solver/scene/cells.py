@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from geometry.block import Block
 from geometry.tags import FINER
 from solver.errors import SceneError
-from solver.scene.checking import is_open, refuse_length, shown
+from solver.scene.checking import shown
 from solver.scene.quantities import Cell, Cells, Dimension
 
 if TYPE_CHECKING:
@@ -27,35 +27,19 @@ CELLS_OF_A_BOX = {"quadrilateral": 1, "triangle": 2, "hexahedron": 1, "tetrahedr
 """Number of cells into which one box of a structured mesh is divided."""
 
 
-class HasCells(Protocol):
-    """A body with cells; None stands for the default of the dimension."""
+def cells_in(
+    cells: Cells | None, cell: Cell | None, dimension: Dimension, default: Cells
+) -> dict[str, Any]:
+    """Numbers and shape of cells in a scene of this dimension, by their keys.
 
-    @property
-    def cells(self) -> Cells:
-        """Numbers of cells."""
-
-    @property
-    def cell(self) -> Cell:
-        """Their shape."""
-
-
-def cells_of(spec: HasCells, dimension: Dimension, default: Cells) -> Cells:
-    """The numbers of cells in a scene of this dimension; SceneError if they do not fit."""
-    if is_open(spec.cells):
-        return default
-    refuse_length("cells", spec.cells, dimension, "a whole number, cells >= 1")
-    return spec.cells
-
-
-def cell_of(spec: HasCells, dimension: Dimension) -> Cell:
-    """The shape of the cells in a scene of this dimension; SceneError if it does not fit."""
+    Raises:
+        SceneError: They do not fit.
+    """
     shapes = SHAPES[dimension]
-    if is_open(spec.cell):
-        return shapes[0]
-    if spec.cell not in shapes:
+    if cell is not None and cell not in shapes:
         allowed = f"{' or '.join(map(shown, shapes))} where dimension = {dimension}"
-        raise SceneError("cell", shown(spec.cell), allowed)
-    return spec.cell
+        raise SceneError("cell", shown(cell), allowed)
+    return {"cells": cells or default, "cell": cell or shapes[0]}
 
 
 def refined(cells: Cells, times: Callable[[int], int]) -> Cells:

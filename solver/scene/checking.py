@@ -10,14 +10,14 @@ from __future__ import annotations
 
 import dataclasses
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from numbers import Integral, Real
 from pathlib import Path
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, TypeGuard, Union, get_args, get_origin, get_type_hints
 
-from solver.errors import SceneError, UnknownKey, below, missing_key
+from solver.errors import SceneError, UnknownKey, below, missing_key, not_applicable
 
 #: Default of a field that is resolved once the rest is known; its type need not admit None.
 OPEN: Any = None
@@ -89,13 +89,38 @@ def exactly_one(spec: Any, *names: str) -> None:
         raise SceneError(names[0], f"{'both ' * (len(given) == 2)}{' and '.join(given)}", wanted)
 
 
-def refuse_length(
-    key: str, values: Sequence[Any] | None, dimension: int, of: str = "a finite number"
-) -> None:
-    """Refuse an array, if there is one, that has not as many values as a scene has dimensions."""
-    if values is not None and len(values) != dimension:
-        allowed = f"{dimension} values, each {of}, where dimension = {dimension}"
-        raise SceneError(key, shown(values), allowed)
+def only_where(spec: Any, applies: object, what: str, *names: str) -> None:
+    """Refuse fields with other values than their defaults where they do not apply.
+
+    `what` follows "applies to".
+    """
+    cls: Any = type(spec)
+    for field, _ in fields_of(cls) if not applies else ():
+        if field.name in names and getattr(spec, field.name) not in (field.default, None, ()):
+            raise not_applicable(key_of(field), what)
+
+
+def refuse_other_dimension(spec: Any, dimension: int) -> None:
+    """Refuse values of a specification, and of those in it, that are not of a scene's dimension.
+
+    A field of two alternatives, in the plane and in space, says so by its type: vectors of 2 or 3
+    values, places along 1 or 2 axes, a rotation as a number or 3 values.
+    """
+    cls: Any = type(spec)
+    for field, hint in fields_of(cls):
+        key, value, choices = key_of(field), getattr(spec, field.name), choices_of(hint)
+        members = value if isinstance(value, tuple) else (value,)
+        for number, member in enumerate(members, start=1):
+            if dataclasses.is_dataclass(member):
+                own = getattr(member, "name", f"{key}.{number}")
+                with below(own if members is value else key):
+                    refuse_other_dimension(member, dimension)
+        counts = [len(get_args(each)) if get_origin(each) is tuple else 0 for each in choices]
+        if value is None or counts not in ([2, 3], [1, 2], [0, 3]):
+            continue
+        if counts[dimension - 2] != (len(value) if members is value else 0):
+            words = _words(choices[dimension - 2], key) + "," * (counts[dimension - 2] > 0)
+            raise SceneError(key, shown(value), f"{words} where dimension = {dimension}")
 
 
 def from_table(cls: Any, table: Any, where: str = "") -> Any:
@@ -218,7 +243,8 @@ def _words(hint: Any, name: str) -> str:
             return f"an array, each {_words(items[0][0], name)}"
         lengths = " or ".join(str(len(item)) for item in items)
         words = list(dict.fromkeys(_words(item, name) for item in items[0]))
-        return f"{lengths} values, {'each ' * (len(words) == 1)}{' and '.join(words)}"
+        each = "each " * (len(words) == 1 and lengths != "1")
+        return f"{lengths} value{'s' * (lengths != '1')}, {each}{' and '.join(words)}"
     return " or ".join(dict.fromkeys(_words_of_one(choice, name) for choice in choices))
 
 

@@ -84,9 +84,6 @@ def single_feet(
             found += [replace(foot, height=feet.top, face="top") for foot in found]
         return tuple(found)
     for number, foot in enumerate(feet, start=1):
-        if len(foot.at) != dimension - 1:
-            allowed = f"{'1 value' if dimension == 2 else '2 values'} where dimension = {dimension}"
-            raise SceneError(f"feet.{number}.at", shown(foot.at), allowed)
         _refuse_pair(foot.size, f"feet.{number}.size", dimension)
         for place, side, own in zip(foot.at, sides, foot.sides, strict=False):
             if abs(place) + own / 2 > side / 2 * (1 + 1e-9):

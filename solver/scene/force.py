@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Literal
 
-from solver.errors import SceneError, missing_key, not_applicable
-from solver.scene.checking import Checked, exactly_one, refuse_length, shown
+from solver.errors import SceneError, missing_key
+from solver.scene.checking import Checked, exactly_one, only_where, shown
 from solver.scene.names import refuse_name
 from solver.scene.quantities import Course, Dimension, Forces, Instant, Position, Pressure
 
@@ -53,10 +53,9 @@ class ForceSpec(Checked):
         exactly_one(self, "force", "pressure")
         if self.pressure is not None and self.face is None:
             raise missing_key("face", "beside pressure")
-        if self.face is not None and self.pressure is None:
-            raise not_applicable("face", "pressure, not to force")
-        if self.at is not None and self.pressure is not None:
-            raise not_applicable("at", "force; a pressure acts in the middle of its face")
+        only_where(self, self.force is None, "pressure, not to force", "face")
+        what = "force; a pressure acts in the middle of its face"
+        only_where(self, self.pressure is None, what, "at")
         if self.ramp is not None and self.table is not None:
             raise SceneError("table", "both ramp and table", "at most one of ramp and table")
         if self.ramp is not None and not self.ramp[0] < self.ramp[1]:
@@ -67,9 +66,7 @@ class ForceSpec(Checked):
                 raise SceneError("table", shown(self.table), "one row or more, of growing times")
 
     def refuse_elsewhere(self, dimension: Dimension) -> None:
-        """Refuse a place, a force or a face that is not of the scene's dimension."""
-        for key in ("at", "force"):
-            refuse_length(key, getattr(self, key), dimension)
+        """Refuse a face that is not of the scene's dimension."""
         if dimension == 2 and self.face in ("front", "back"):
             raise SceneError("face", shown(self.face), '"left", "right", "top" or "bottom" in 2-D')
 

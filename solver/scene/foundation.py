@@ -8,17 +8,16 @@ from dataclasses import asdict, dataclass, field, replace
 from typing import ClassVar, Literal, NamedTuple, TypeAlias, TypeVar
 
 from geometry.block import Block
-from solver.errors import SceneError, missing_key, not_applicable
+from solver.errors import SceneError, missing_key
 from solver.scene.cells import (
     SHAPES,
     MeshSize,
-    cell_of,
-    cells_of,
+    cells_in,
     mesh_of_box,
     mesh_size_in_words,
     refined,
 )
-from solver.scene.checking import OPEN, Checked, exactly_one, shown
+from solver.scene.checking import OPEN, Checked, exactly_one, only_where, shown
 from solver.scene.damping import DampingSpec, refuse_both_dampings
 from solver.scene.material import Material, Plane
 from solver.scene.quantities import (
@@ -111,7 +110,7 @@ class Foundation(Checked):
         return None
 
     @property
-    def reduced_modes(self) -> int | Literal["auto"] | None:
+    def modes(self) -> int | Literal["auto"] | None:
         """Number of modes of its mesh that steps go on with; None: all unknowns."""
         return None
 
@@ -301,21 +300,15 @@ class PlateSpec(Foundation):
     def check(self) -> None:
         """Refuse values that do not go together."""
         exactly_one(self, "mass", "mass_ratio", "density")
-        if self.support == "fixed" and self.damping is not None:
-            raise not_applicable("damping", "a plate that is not held everywhere")
-        if self.support == "fixed" and self.modes is not None:
-            raise not_applicable("modes", "a plate that is not held everywhere")
-        if self.support != "fixed" and self.meshed:
-            raise not_applicable("meshed", 'a plate with support = "fixed" only: others always are')
+        held, loose = self.support == "fixed", "a plate that is not held everywhere"
+        only_where(self, not held, loose, "damping", "modes")
+        only_where(self, held, 'a plate with support = "fixed" only: others always are', "meshed")
         if self.on_spring:
             exactly_one(self, "period", "stiffness")
             return
-        for key in ("period", "stiffness"):
-            if getattr(self, key):
-                raise not_applicable(key, 'a plate with support = "rollers" only')
+        only_where(self, False, 'a plate with support = "rollers" only', "period", "stiffness")
+        only_where(self, not held, loose, "damping_ratio")
         if self.damping_ratio:
-            if self.support == "fixed":
-                raise not_applicable("damping_ratio", "a plate that is not held everywhere")
             if self.damping_ratio >= 1:
                 allowed = '0 <= damping_ratio < 1 with support = "bottom"'
                 raise SceneError("damping_ratio", shown(self.damping_ratio), allowed)
@@ -330,11 +323,6 @@ class PlateSpec(Foundation):
     def on_spring(self) -> bool:
         """True on rollers."""
         return self.support == "rollers"
-
-    @property
-    def reduced_modes(self) -> int | Literal["auto"] | None:
-        """Number of modes of its mesh that steps go on with; None: all unknowns."""
-        return self.modes
 
     @property
     def sway_damping_ratio(self) -> float | None:
@@ -365,8 +353,7 @@ class PlateSpec(Foundation):
         return replace(
             self,
             thickness=thickness_of(self.thickness, dimension, thickness),
-            cells=cells_of(self, dimension, PLATE_CELLS[dimension]),
-            cell=cell_of(self, dimension),
+            **cells_in(self.cells, self.cell, dimension, PLATE_CELLS[dimension]),
         )
 
     def shape(self, carried: float) -> Block:
@@ -585,11 +572,6 @@ class FrameSpec(Foundation):
     def moves_as_a_whole(self) -> bool:
         """The deck sways on its columns."""
         return True
-
-    @property
-    def reduced_modes(self) -> int | Literal["auto"] | None:
-        """Number of modes of its mesh that steps go on with; None: all unknowns."""
-        return self.modes
 
     @property
     def sway_damping_ratio(self) -> float | None:

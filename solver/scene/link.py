@@ -7,11 +7,10 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple
 
 from solver.errors import SceneError, Statement, missing_key, not_applicable
-from solver.scene.checking import OPEN, Checked, is_open, key_of, refuse_length, shown
+from solver.scene.checking import OPEN, Checked, is_open, key_of, shown
 from solver.scene.names import refuse_name
 from solver.scene.quantities import (
     Dashpot,
-    Dimension,
     Gap,
     Length,
     Position,
@@ -121,11 +120,6 @@ class LinkSpec(Checked):
         for own in self.__dataclass_fields__.values():
             if key_of(own) in every:
                 yield key_of(own), getattr(self, own.name)
-
-    def refuse_elsewhere(self, dimension: Dimension) -> None:
-        """Refuse places that are not of the scene's dimension."""
-        for key in ("at", "to"):
-            refuse_length(key, getattr(self, key), dimension)
 
     @property
     def is_axial(self) -> bool:

@@ -12,6 +12,7 @@ import dataclasses
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Literal, get_args, get_origin
 
 from solver.scene.checking import choices_of, fields_of, key_of
@@ -89,6 +90,8 @@ def _value(value: Any, scale: Scale, hint: Any) -> Any:
     if isinstance(value, tuple):
         items = zip(value, _items(hint, len(value)), strict=True)
         return [_value(item, scale, own) for item, own in items]
+    if isinstance(value, Path):
+        return str(value)
     quantity = number_of(hint)
     return value * scale.of(quantity) if quantity and isinstance(value, float) else value
 

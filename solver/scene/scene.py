@@ -11,7 +11,16 @@ from typing import TYPE_CHECKING, Any, Literal
 from solver.errors import SceneError, Statement, below, missing_key, not_applicable
 from solver.scene import limits
 from solver.scene.block import BlockSpec
-from solver.scene.checking import OPEN, Checked, is_open, nearest, shown, to_table
+from solver.scene.checking import (
+    OPEN,
+    Checked,
+    is_open,
+    nearest,
+    only_where,
+    refuse_other_dimension,
+    shown,
+    to_table,
+)
 from solver.scene.contact import Bed, ContactSpec, FrictionSpec, PairSpec
 from solver.scene.damping import DampingSpec
 from solver.scene.force import ForceSpec
@@ -81,6 +90,7 @@ class Scene(Checked):
     def resolved(self) -> Iterator[tuple[str, Any]]:
         """The fields that depend on the dimension, on other tables, and on the sizes of blocks."""
         self._check_names()
+        refuse_other_dimension(self, self.dimension)
         if self.dimension == 2 and is_open(self.plane):
             yield "plane", "strain"
         yield "blocks", self._each_block(lambda block: block.in_dimension(self.dimension))
@@ -100,8 +110,7 @@ class Scene(Checked):
 
     def check(self) -> None:
         """Refuse tables that do not go together, and scenes beyond the limits of the method."""
-        if self.dimension == 3 and not is_open(self.plane):
-            raise not_applicable("plane", "2-D scenes only")
+        only_where(self, self.dimension == 2, "2-D scenes only", "plane")
         if self.dimension == 2 and self.motion is not None and self.motion.second is not None:
             raise not_applicable("motion.second", "3-D scenes only")
         self._check_engine()
@@ -171,7 +180,6 @@ class Scene(Checked):
             with below(link.name):
                 for name in link.between:
                     _refuse_unknown("between", name, ["foundation", *names])
-                link.refuse_elsewhere(self.dimension)
         for force in self.forces:
             with below(force.name):
                 _refuse_unknown("on", force.on, names)

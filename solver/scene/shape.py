@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, TypeAlias
 
 from geometry.block import Block
 from geometry.density import Tensor, Vector
-from solver.errors import SceneError, Statement, missing_key, not_applicable
-from solver.scene.checking import OPEN, Checked, is_open, refuse_length
+from solver.errors import SceneError, Statement, below, missing_key, not_applicable
+from solver.scene.checking import OPEN, Checked, is_open, only_where
 from solver.scene.mass import inertia_tensor
 from solver.scene.quantities import Density, Dimension, Length, Number, Place, Position
 
@@ -89,11 +89,9 @@ class ShapeSpec(Checked):
             raise missing_key(KINDS[0], f"({allowed})")
         if len(given) > 1:
             raise SceneError(given[1], f"it beside {given[0]}", allowed)
-        if self.sides is not None and not (self.profile or self.cylinder is not None):
-            raise not_applicable("sides", "a profile or a cylinder only")
-        for key in ("scale", "contact"):
-            if getattr(self, key) is not None and self.file is None:
-                raise not_applicable(key, "a file only")
+        turned = self.profile or self.cylinder is not None
+        only_where(self, turned, "a profile or a cylinder only", "sides")
+        only_where(self, self.file is not None, "a file only", "scale", "contact")
         for part in self.union:
             if part.union:
                 raise not_applicable("union", "the shape of a block, not a part of one")
@@ -143,9 +141,9 @@ class ShapeSpec(Checked):
 
     def refuse_keys_of_parts(self) -> None:
         """Refuse what only a part of a union has; the block itself has these keys."""
-        for key in ("at", "width", "height", "thickness", "density"):
-            if getattr(self, key) is not None:
-                raise not_applicable(f"shape.{key}", "a part of a union only")
+        keys = ("at", "width", "height", "thickness", "density")
+        with below("shape"):
+            only_where(self, False, "a part of a union only", *keys)
 
     def in_dimension(self, dimension: Dimension) -> None:
         """Refuse shapes that there are not in a dimension."""
@@ -153,7 +151,6 @@ class ShapeSpec(Checked):
             if dimension == 2 and getattr(self, key) not in (None, ()):
                 other = {"cylinder": " (a disc: regular = 100)"}.get(key, "")
                 raise not_applicable(f"shape.{key}", f"3-D scenes only{other}")
-        refuse_length("shape.at", self.at, dimension)
         for part in self.union:
             part.in_dimension(dimension)
 

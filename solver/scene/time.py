@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal
 
-from solver.errors import SceneError, not_applicable
-from solver.scene.checking import OPEN, Checked, is_open, shown
+from solver.errors import SceneError
+from solver.scene.checking import OPEN, Checked, is_open, only_where, shown
 from solver.scene.quantities import Delay, Duration, Number, Positive
 
 LONGEST_STEP = 0.04
@@ -91,9 +91,8 @@ class TimeSpec(Checked):
         """Refuse values that do not go together."""
         if is_open(self.step):
             return
-        for key in ("tolerance", "largest"):
-            if getattr(self, key) is not None and not self.adaptive:
-                raise not_applicable(key, "adaptive steps only (adaptive = true)")
+        what = "adaptive steps only (adaptive = true)"
+        only_where(self, self.adaptive, what, "tolerance", "largest")
         if self.largest is not None and self.largest < self.step:
             raise SceneError("largest", shown(self.largest), f"largest >= step = {self.step:g}")
         if self.step > self.end:

@@ -141,7 +141,7 @@ def test_it_stays_beside_damping_by_mass(table: str) -> None:
     assert damping(f"{table}.mass=0.5") == expected
     asked = scene(f"{table}.mass=0.5")
     assert parse_scene(asked.to_dict()) == asked
-    assert cautions_of_scene(asked, read_ground(asked)) == []
+    assert [*cautions_of_scene(asked, read_ground(asked))] == []
     plate = (
         "foundation={kind='elastic', support='bottom', width=2.0, height=0.2, young=5e10,"
         " poisson=0.2, density=2e3}"

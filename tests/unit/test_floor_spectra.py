@@ -12,7 +12,7 @@ import pytest
 from rockslip import parse_scene, simulate
 from solver.excitation.motion import read_ground
 from solver.excitation.spectrum import PERIODS, response_spectrum
-from solver.history.columns import Structure, columns
+from solver.history.columns import columns
 from solver.history.history import History
 from solver.pictures.ground import draw_floors, write_floors
 from solver.results.floor_spectra import floor_spectra
@@ -22,7 +22,7 @@ OMEGA = 2 * math.pi / 0.5
 
 def history(time: np.ndarray, *, storeys: int = 0) -> History:
     """Ground and floors that move by sines of 1 m/s2: floors as much more again, each."""
-    structure = Structure(storeys=storeys) if storeys else None
+    structure = (storeys, 0) if storeys else None
     names = columns(["block"], platform=True, structure=structure)
     found = History(names)
     rows = np.zeros((len(time), len(names)))

@@ -1,4 +1,4 @@
-"""The table of columns: names, places in the rows of engines, what happens to one left out."""
+"""The table of columns: names, their order, rows of engines, what happens to one left out."""
 
 from __future__ import annotations
 
@@ -6,53 +6,40 @@ import numpy as np
 import pytest
 
 from solver.history.block_columns import lean_in_space
-from solver.history.columns import Structure, check_filled, columns, positions, row_layout
+from solver.history.columns import columns
+from solver.history.engine_rows import rows_of
 from solver.history.table import TABLE
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
 @pytest.mark.parametrize("platform", [False, True])
-def test_parts_of_a_row_lie_where_the_names_are(dimension: int, platform: bool) -> None:
-    """Every name of a row is reached by its part and its field, and no other."""
-    blocks = ["a", "b", "c"]
+def test_each_owner_has_the_columns_of_its_part(dimension: int, platform: bool) -> None:
+    """Part by part, and in it owner by owner, each in the order of the table."""
+    owners = {"block": ["a", "b", "c"], "link": ["wire", "wax"], "foot": ["b.foot_1", "b.foot_2"]}
+    owners["storey"] = [f"foundation.storey_{k}" for k in (1, 2)] * platform
+    owners["column"] = [f"foundation.column_{k}" for k in (1, 2, 3)] * platform
     names = columns(
-        blocks,
+        owners["block"],
         dimension=dimension,
         platform=platform,
         vertical=True,
         second=dimension == 3,
-        structure=Structure(storeys=2, columns=3) if platform else None,
+        structure=(2, 3) if platform else None,
         links={"wire": True, "wax": True},
         feet={"b": 2},
     )
-    layout = row_layout(3, dimension=dimension, platform=platform)
-    storeys = layout.foundation + len(positions("foundation", dimension))
-    feet = storeys + 2 * len(positions("storey", dimension))
-    assert layout.stride == len(positions("block", dimension))
-    starts = {"run": [0], "platform": [layout.platform] * platform, "energy": [layout.energy]}
-    starts["foundation"] = [layout.foundation] * platform
-    starts["storey"] = [
-        storeys + len(positions("storey", dimension)) * k for k in range(2 * platform)
-    ]
-    starts["column"] = [feet + len(positions("column", dimension)) * k for k in range(3 * platform)]
-    starts["block"] = [layout.block + layout.stride * b for b in range(3)]
-    ends = feet + 3 * len(positions("column", dimension))
-    ends = ends if platform else layout.foundation
-    starts["link"] = [ends + len(positions("link", dimension)) * k for k in range(2)]
-    legs = starts["link"][-1] + len(positions("link", dimension))
-    starts["foot"] = [legs + len(positions("foot", dimension)) * k for k in range(2)]
-    found = {}
-    for column in TABLE:
-        if column.dimension not in (None, dimension):
+    parts = ("run", "block", "platform", "energy", "foundation", "storey", "column")
+    expected = []
+    for part in (*parts, "link", "foot"):
+        if part in ("platform", "foundation") and not platform:
             continue
-        place = getattr(positions(column.part, dimension), column.field)
-        for number, start in enumerate(starts[column.part]):
-            name = column.name.replace("NAME", blocks[number])
-            name = name.replace("STOREY", f"foundation.storey_{number + 1}")
-            name = name.replace("LINK", ["wire", "wax"][number % 2])
-            name = name.replace("FOOT", f"b.foot_{number + 1}")
-            found[start + place] = name.replace("COLUMN", f"foundation.column_{number + 1}")
-    assert tuple(found[k] for k in sorted(found)) == names
+        own = [c.name for c in TABLE if c.part == part and c.dimension in (None, dimension)]
+        for owner in owners.get(part, [""]):
+            first = [name.partition(".")[0] if owner else "" for name in own]
+            expected += [
+                name.replace(word, owner, 1) for name, word in zip(own, first, strict=True)
+            ]
+    assert names == tuple(expected)
 
 
 def test_an_axial_link_has_no_columns_of_shear() -> None:
@@ -73,12 +60,14 @@ def test_every_name_ends_with_its_unit() -> None:
         assert column.meaning.endswith(".")
 
 
-def test_columns_that_are_nan_throughout_are_named() -> None:
-    """A number that is none in some row is a result; no rows are no columns left out."""
-    rows = np.array([[0.0, np.nan, np.nan], [1.0, np.nan, 2.0]])
-    with pytest.raises(ValueError, match=r"no value for the columns slip$"):
-        check_filled(["time", "slip", "gap"], rows)
-    check_filled(["time", "slip", "gap"], rows[:0])
+def test_rows_have_the_columns_of_a_scene_and_no_others() -> None:
+    """A column that the engine has no value for is named; one value stands for all steps."""
+    known = {"time": np.array([1.0, 2.0]), "step": 0.5, "slip": np.array([0.0, np.nan])}
+    np.testing.assert_array_equal(
+        rows_of(["slip", "time", "step"], known, 2), [[0.0, 1.0, 0.5], [np.nan, 2.0, 0.5]]
+    )
+    with pytest.raises(KeyError, match="gap"):
+        rows_of(["time", "gap"], known, 2)
 
 
 def test_a_lean_is_carried_on_beyond_half_a_turn() -> None:

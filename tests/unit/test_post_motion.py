@@ -12,7 +12,7 @@ from histories import OSCILLATOR, history_of, scene_of, summary_of
 
 from rockslip import History, Scene, parse_scene
 from solver.results.energy import gravity_above_upright, upright_centre
-from solver.results.motion import block_motion, rotated, total_lean
+from solver.results.motion import BlockMotion, rotated, total_lean
 from solver.results.report import report
 
 
@@ -56,7 +56,7 @@ def test_a_block_that_falls_off_another(x: float, y: float, fell: bool) -> None:
     history = history_of(
         scene, t, low__centre_y_m=0.5, low__angle_rad=0.2, up__centre_x_m=x, up__centre_y_m=y
     )
-    assert block_motion(scene, history, scene.blocks[1]).fell is fell
+    assert BlockMotion(scene, history, scene.blocks[1]).fell is fell
     assert (summary_of(scene, history)["blocks"]["up"]["mode"] == "fell") is fell
 
 
@@ -72,13 +72,13 @@ def test_a_block_beside_the_overturned_one_that_carried_it_fell() -> None:
         up__centre_x_m=2.0,
         up__centre_y_m=0.15,
     )
-    assert block_motion(scene, history, scene.blocks[1]).fell
+    assert BlockMotion(scene, history, scene.blocks[1]).fell
 
 
 def test_a_block_below_level_zero_fell_off_its_plate() -> None:
     scene = scene_of("")
     t = np.linspace(0, 1, 3)
-    assert block_motion(scene, history_of(scene, t, block__centre_y_m=-0.1), scene.blocks[0]).fell
+    assert BlockMotion(scene, history_of(scene, t, block__centre_y_m=-0.1), scene.blocks[0]).fell
     lying = history_of(scene, t, block__centre_y_m=0.2, block__angle_rad=math.pi / 2)
     assert summary_of(scene, lying)["blocks"]["block"]["mode"] == "overturned"
 
@@ -182,7 +182,7 @@ def rocking_in_space(azimuth: float) -> tuple[Scene, History]:
 def test_rocking_in_space(azimuth: float, width: float) -> None:
     """In the plane in which it leans most; the width is that of the base along it."""
     scene, history = rocking_in_space(azimuth)
-    motion = block_motion(scene, history, scene.blocks[0])
+    motion = BlockMotion(scene, history, scene.blocks[0])
     assert motion.shape.width == pytest.approx(width, abs=1e-4)
     assert motion.shape.mass == pytest.approx(100.0)
     np.testing.assert_allclose(np.abs(motion.angle), motion.lean, atol=1e-12)
@@ -226,7 +226,7 @@ def test_leaning_counts_in_the_frame_of_a_block_that_was_turned() -> None:
         block__angle_z_rad=vector[2],
         block__centre_z_m=0.5,
     )
-    motion = block_motion(scene, history, scene.blocks[0])
+    motion = BlockMotion(scene, history, scene.blocks[0])
     np.testing.assert_allclose(motion.angle, 0.1)
     assert motion.shape.width == pytest.approx(0.3)
 

@@ -12,8 +12,8 @@ from histories import OSCILLATOR, history_of, scene_of, summary_of
 from rockslip import Scene, parse_scene
 from solver.results.endings import fallen, overturned_at
 from solver.results.motion import (
+    BlockMotion,
     angular_velocity,
-    block_motion,
     boxes,
     lean_over_alpha,
     lost_carrier,
@@ -79,7 +79,7 @@ def test_a_block_on_one_that_leans_has_not_fallen_while_it_is_over_its_top(lean:
         x, y = np.array([0.0, 0.5]) + along * axis + 0.2 * downhill
         columns: dict[str, Any] = {"low__centre_y_m": 0.5, "low__angle_rad": turn}
         columns |= {"up__centre_x_m": x, "up__centre_y_m": y, "up__angle_rad": turn}
-        assert block_motion(scene, history_of(scene, t, **columns), scene.blocks[1]).fell is fell
+        assert BlockMotion(scene, history_of(scene, t, **columns), scene.blocks[1]).fell is fell
 
 
 @pytest.mark.parametrize("tilt", [5.0, -5.0])
@@ -164,7 +164,7 @@ def test_a_block_that_leans_to_minus_y_has_a_negative_angle() -> None:
     scene = scene_of("", dimension=3)
     t = np.linspace(0, 1, 3)
     history = history_of(scene, t, block__angle_x_rad=0.05, block__centre_z_m=0.5)
-    motion = block_motion(scene, history, scene.blocks[0])
+    motion = BlockMotion(scene, history, scene.blocks[0])
     np.testing.assert_allclose(motion.angle, -0.05)
     assert motion.shape.width == pytest.approx(0.3)
 
@@ -190,7 +190,7 @@ def test_a_block_in_space_that_turns_over_is_followed_beyond_half_a_turn() -> No
     scene = scene_of("", dimension=3)
     t = np.linspace(0, 1, 101)
     history = history_of(scene, t, block__angle_y_rad=4.0 * t, block__centre_z_m=0.5)
-    np.testing.assert_allclose(block_motion(scene, history, scene.blocks[0]).angle, 4.0 * t)
+    np.testing.assert_allclose(BlockMotion(scene, history, scene.blocks[0]).angle, 4.0 * t)
 
 
 def test_angles_of_the_summary_are_from_upright_whatever_carries_the_block() -> None:
@@ -212,7 +212,7 @@ def test_a_block_that_nothing_held_for_a_moment_fell_wherever_it_ends() -> None:
     columns |= {"up__centre_x_m": np.array([0.3, 0.41, 0.42]), "up__angle_rad": 0.0}
     columns |= {"up__centre_y_m": np.array([1.5, 1.48, 1.45])}
     history = history_of(scene, np.linspace(0, 1, 3), **columns)
-    assert not block_motion(scene, history, scene.blocks[1]).fell
+    assert not BlockMotion(scene, history, scene.blocks[1]).fell
     block = summary_of(scene, history)["blocks"]["up"]
     assert block["fell_at_s"] == 0.5
     assert block["mode"] == "fell"

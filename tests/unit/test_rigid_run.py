@@ -106,7 +106,7 @@ def test_a_run_that_is_stopped_has_its_last_row(
     output = "output.history_every=7", "output.every=0.04", "output.checkpoint.steps=1000"
     given = scene(*output, f'output.fields="{fields}"')
     whole = simulate(given).history
-    monkeypatch.setattr(RigidRun, "_next_stop", lambda run, context, total: run._steps + 5)
+    monkeypatch.setattr(RigidRun, "_next_stop", lambda run, context, due: run.steps + 5)
 
     def stopped(context: RunContext, now: float) -> str:
         return "asked to" if now > 0.054 else ""

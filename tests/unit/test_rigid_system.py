@@ -51,10 +51,10 @@ def test_what_was_restored_goes_on_to_the_digit(dimension: int) -> None:
     system.advance(100, 1e-3)
     saved = system.saved()
     first = system.advance(300, 1e-3)
-    system.restore(saved)
+    system.resume(saved)
     assert np.array_equal(system.advance(300, 1e-3).rows, first.rows)
     other = RigidSystem(parse_scene(tables))
-    other.restore(saved)
+    other.resume(saved)
     parts = [other.advance(count, 1e-3).rows for count in (1, 99, 200)]
     others = [k for k, name in enumerate(system.columns) if name != "time_s"]  # of sums
     assert np.array_equal(np.concatenate(parts)[:, others], first.rows[:, others])

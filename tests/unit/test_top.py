@@ -13,7 +13,7 @@ from geometry.block import Block
 from geometry.top import top_of
 from rockslip import History, Scene, parse_scene, simulate
 from solver.results.endings import fallen
-from solver.results.motion import block_motion, lost_carrier
+from solver.results.motion import BlockMotion, lost_carrier
 from solver.types import Array
 
 TEE = "{ polygon = [[-0.05, 0], [0.05, 0], [0.05, 0.7], [0.3, 0.7], [0.3, 0.8], [-0.3, 0.8],"
@@ -136,7 +136,7 @@ def test_what_lies_on_the_lower_step_of_a_stair_is_carried() -> None:
     history, up = result.history, scene.blocks[1]
     assert history["up.centre_y_m"][-1] == pytest.approx(0.45, abs=1e-3)
     assert not lost_carrier(history, up, scene.blocks[0]).any()
-    assert not block_motion(scene, history, up).fell
+    assert not BlockMotion(scene, history, up).fell
     assert summary_of(scene, history)["blocks"]["up"]["fell_at_s"] is None
     # Its columns are those over the stair: 0.2 m below the plane of the post.
     assert history["up.gap_left_m"][-1] == pytest.approx(-0.2, abs=1e-3)

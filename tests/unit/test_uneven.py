@@ -26,7 +26,7 @@ from solver.reference.initiation import (
     rocking_friction,
 )
 from solver.results.cautions import cautions_of_scene
-from solver.results.motion import block_motion, leaning, slenderness
+from solver.results.motion import BlockMotion, leaning, slenderness
 from solver.scene import scene_to_toml
 from solver.scene.scaling import Scale, scaled_tables
 from solver.study.damping.calibration import speed_at_impact
@@ -260,7 +260,7 @@ def test_slenderness_in_space_is_that_of_the_way_it_leans() -> None:
         assert slenderness(history, given.blocks[0])[0] == pytest.approx(wanted, rel=1e-12)
         found = leaning(history, given.blocks[0])
         assert found.shape.slenderness(int(np.sign(found.angle[0]))) == pytest.approx(wanted)
-        motion = block_motion(given, history, given.blocks[0])
+        motion = BlockMotion(given, history, given.blocks[0])
         assert np.broadcast_to(motion.tipping.balance, (11,))[0] == pytest.approx(wanted)
 
 

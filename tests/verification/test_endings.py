@@ -229,8 +229,8 @@ def test_a_run_that_one_block_ends_says_so_of_the_others() -> None:
     two, one = (parse_scene({"block": each, "time": {"end": 10.0}}) for each in (blocks, [low]))
     (caution,) = cautions_of_end(two, "completed", "a fell at t = 2.5 s")
     assert caution.startswith("the run ends before 10 s (a fell at t = 2.5 s)")
-    assert not cautions_of_end(two, "completed", "")
-    assert not cautions_of_end(two, "interrupted", "stopped by the limit of 3 s")
+    assert not [*cautions_of_end(two, "completed", "")]
+    assert not [*cautions_of_end(two, "interrupted", "stopped by the limit of 3 s")]
     (caution,) = cautions_of_end(one, "completed", "a fell at t = 2.5 s")
     assert caution == "a fell at t = 2.5 s: nothing catches it, and the run ends there"
-    assert not cautions_of_end(one, "completed", "a overturned at t = 2.5 s")
+    assert not [*cautions_of_end(one, "completed", "a overturned at t = 2.5 s")]

@@ -280,4 +280,4 @@ def test_steps_without_a_solution_are_told() -> None:
     assert known["deepest_penetration_m"] is known["deepest_penetration_between"] is None
     (line,) = meeting_lines(known)
     assert line.startswith("3 steps found no solution") and "2.5e-05 m/s" in line
-    assert meeting_lines(meetings(scene, history, (), Contacts(None, 0, 0.0))) == []
+    assert [*meeting_lines(meetings(scene, history, (), Contacts(None, 0, 0.0)))] == []

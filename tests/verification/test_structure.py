@@ -21,10 +21,10 @@ from solver.build.assembly import build, initial_state
 from solver.build.foundation import foundation as built
 from solver.build.foundation import natural_period
 from solver.errors import SceneError
-from solver.history.columns import positions
 from solver.results.floor_spectra import floor_spectra
 from solver.run.describe import describe
 from solver.run.structure_observer import StructureObserver
+from solver.scene.foundation import FrameSpec
 
 G = 9.81
 
@@ -154,23 +154,24 @@ def steps(case: Scene, count: int) -> Any:
     system, span = stepper.system, case.time.step
     state, _ = initial_state(case, assembly)
     observer = StructureObserver(assembly)
-    at, column = positions("foundation", 2), positions("column", 2)
     mass = sum(body.mass for body in system.bodies)
-    first = len(at) + len(positions("storey", 2)) * observer.parts.storeys
-    feet = first + len(column) * np.arange(observer.parts.columns)
-    places = np.linspace(-1.95, 1.95, observer.parts.columns)
+    assert isinstance(case.foundation, FrameSpec)
+    feet = [f"foundation.column_{k + 1}" for k in range(case.foundation.bays + 1)]
+    places = np.linspace(-1.95, 1.95, len(feet))
     found = []
     for _ in range(count):
         new, exchange = stepper.advance(state, span)
         inertia = system.directional_mass @ (new.v - state.v) / span
         inertia += mass * stepper.mean_base(state.time, span)
-        row = np.full(100, np.nan)
         forces = exchange.ground or stepper.ground_forces(new)
-        observer.write(new, forces, row)
-        shear, axial = row[feet + column.shear_N], row[feet + column.axial_force_N]
-        arms = places @ axial + row[feet + column.moment_Nm].sum()
+        row = observer.columns(new, forces)
+        shear, axial, turn = (
+            np.array([row[f"{foot}.{name}"] for foot in feet])
+            for name in ("shear_N", "axial_force_N", "moment_Nm")
+        )
+        arms = places @ axial + turn.sum()
         ours = -forces.total[0], -inertia[0], shear.sum(), axial.sum()
-        found.append((*ours, inertia[1] + mass * G, row[at.overturning_moment_Nm], arms))
+        found.append((*ours, inertia[1] + mass * G, row["foundation.overturning_moment_Nm"], arms))
         state = new
     return np.array(found)
 

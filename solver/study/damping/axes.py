@@ -14,7 +14,7 @@ import numpy as np
 from solver.errors import SceneError, Statement, not_applicable
 from solver.reference.housner import housner
 from solver.results.endings import cut_short
-from solver.results.motion import block_motion
+from solver.results.motion import BlockMotion
 from solver.run.simulate import simulate
 from solver.scene import BlockSpec, Scene, parse_scene
 from solver.scene.checking import nearest, shown, to_table
@@ -246,7 +246,7 @@ class DampingCase:
         summary = result.summary
         block, energy, cost = summary["blocks"][self.block], summary["energy"], summary["cost"]
         spec = next(spec for spec in self.scene.blocks if spec.name == self.block)
-        motion = block_motion(self.scene, result.history, spec)
+        motion = BlockMotion(self.scene, result.history, spec)
         return {
             "status": result.status,
             "reason": summary["reason"],

@@ -192,7 +192,7 @@ class RigidUnderPulses:
         Raises:
             RuntimeError: A step was not solved.
         """
-        self._system.restore(copy.deepcopy(self._start))
+        self._system.resume(copy.deepcopy(self._start))
         scale = amplitude * self._upright.unit
         ground, mean = scale * self._ground, scale * self._mean
         fell, margin, angles = False, 0.0, list[Array]()
