@@ -14,6 +14,7 @@ import os
 import pickle
 import signal
 import threading
+import time as clock
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import ExitStack, closing, contextmanager, suppress
 from functools import partial
@@ -297,19 +298,25 @@ class CaseProgress(ProgressDisplay):
 
     def __init__(self, total: int, *, done: int = 0, quiet: bool = False, rank: int = 0):
         """Start, where `done` of all cases had been done before; shows nothing but on rank 0."""
-        super().__init__(quiet=quiet, rank=rank, done=done / max(total, 1))
+        layout = "{percentage:3.0f}%|{bar}| {n_fmt}/{total_fmt} {elapsed}<{remaining}{postfix}"
+        share = done / max(total, 1)
+        super().__init__(
+            quiet=quiet, rank=rank, done=share, total=total, initial=done, bar_format=layout
+        )
         self._total, self._before, self._done = total, done, done
-        self._name = ""
 
     def add(self, name: str) -> None:
         """Count a finished case of this name."""
         self._done += 1
-        self._name = name
-        self._show(self._done / self._total, last=self._done == self._total)
-
-    def _text(self, now: float) -> str:
-        """The cases that are done, the wall time that was spent, and what is left of it."""
-        spent = now - self._began
-        left = spent * (self._total - self._done) / (self._done - self._before)
-        done = f"{self._done} of {self._total} ({self._name})"
-        return f"{done}, {spent:.0f} s spent, {left:.0f} s left"
+        if self._silent:
+            return
+        now = clock.monotonic()
+        if self._bar is not None:
+            self._bar.set_postfix_str(name, refresh=False)
+            self._bar.update()
+        elif self._line_is_due(now, self._done / self._total) or self._done == self._total:
+            spent = now - self._began
+            left = spent * (self._total - self._done) / (self._done - self._before)
+            self._write(
+                f"{self._done} of {self._total} ({name}), {spent:.0f} s spent, {left:.0f} s left"
+            )

@@ -309,6 +309,7 @@ def test_the_tally_says_how_long_it_takes(capsys: Captured, monkeypatch: Any) ->
     now = iter([0.0, 1.0, 3.0, 4.0, 4.0, 4.0])
     shared = SimpleNamespace(monotonic=lambda: next(now))
     monkeypatch.setattr("solver.run.progress.clock", shared)
+    monkeypatch.setattr("solver.study.pool.clock", shared)
     progress = CaseProgress(5, done=2)
     for name in ("c", "d", "e"):
         progress.add(name)
