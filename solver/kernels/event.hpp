@@ -5,8 +5,6 @@
 
 namespace rockslip {
 
-enum class Event { NONE, TOUCH, END_OF_SLIP, FRACTURE };
-
 constexpr double BREAKING = 1e-9;  // of the strength of a link: loads this close are at it
 
 /// Speed at which a contact comes together at the start of the step, m/s.
@@ -48,22 +46,21 @@ template <int d> bool breaks(const Step<d>& step, const Link<d>& link) {
     return link.load(link.measure(step.end[link.a], step.end[link.b])) > (1 + BREAKING) * link.strength;
 }
 
-/// What happens at a contact or a link in a step.
-template <int d> Event event_at(const World<d>& world, const Step<d>& step, const Contact<d>& k) {
-    if (k.link) return step.piece.breaks && breaks(step, *k.link->link) ? Event::FRACTURE : Event::NONE;
-    if (strikes(world, step, k, step.pull)) return Event::TOUCH;
-    return reverses(world, step, k) ? Event::END_OF_SLIP : Event::NONE;
+/// Whether something happens at a contact or a link in a step.
+template <int d> bool has_event(const World<d>& world, const Step<d>& step, const Contact<d>& k) {
+    if (k.link) return step.piece.breaks && breaks(step, *k.link->link);
+    return strikes(world, step, k, step.pull) || reverses(world, step, k);
 }
 
 /// Whether something happens in a step.
 template <int d> bool has_event(const World<d>& world, const Step<d>& step) {
-    const auto happens = [&](const Contact<d>& k) { return event_at(world, step, k) != Event::NONE; };
+    const auto happens = [&](const Contact<d>& k) { return has_event(world, step, k); };
     return std::any_of(step.contacts.begin(), step.contacts.end(), happens) || std::any_of(step.links.begin(), step.links.end(), happens);
 }
 
 /// Whether a link breaks in a step.
 template <int d> bool has_fracture(const World<d>& world, const Step<d>& step) {
-    return std::any_of(step.links.begin(), step.links.end(), [&](const Contact<d>& k) { return event_at(world, step, k) == Event::FRACTURE; });
+    return std::any_of(step.links.begin(), step.links.end(), [&](const Contact<d>& k) { return has_event(world, step, k); });
 }
 
 }  // namespace rockslip

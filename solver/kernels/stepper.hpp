@@ -104,7 +104,7 @@ template <int d> class Stepper {
         const auto is_again = [&](const Contact<d>& k) { return again[group(k)] != 0; };
         for (std::vector<Contact<d>>* list : {&step.contacts, &step.links})
             for (const Contact<d>& k : *list)
-                if (step.piece.cuts > 0 && event_at(world, step, k) != Event::NONE) again[group(k)] = 1;
+                if (step.piece.cuts > 0 && has_event(world, step, k)) again[group(k)] = 1;
         for (std::vector<Contact<d>>* list : {&step.contacts, &step.links})
             list->erase(std::remove_if(list->begin(), list->end(), is_again), list->end());
         step.members.clear();

@@ -86,8 +86,8 @@ std::int64_t world_half_space(AnyStepper& held) {
 }
 
 template <int d> std::vector<Vec<d>> points(Array<2> given) {
-    std::vector<Vec<d>> found;
-    for (std::ptrdiff_t i = 0; i < given.length(); i++) found.push_back(vector_in<d>(given[i]));
+    std::vector<Vec<d>> found(static_cast<std::size_t>(given.length()));
+    for (std::size_t i = 0; i < found.size(); i++) found[i] = vector_in<d>(given[static_cast<std::ptrdiff_t>(i)]);
     return found;
 }
 
