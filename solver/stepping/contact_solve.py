@@ -200,7 +200,7 @@ class StepProblem:
             found.append(response.owned(self._configurations[k], free[k], moved))
         return joined(found)
 
-    def _moved_by(self, operator: Delassus, force: Array, body: int) -> Any:
+    def _moved_by(self, operator: Delassus, force: Array, body: int) -> Array:
         """The motion of a body by forces at the points of an operator, (m, d), N."""
         response, at = self._bodies[body][0], self._configurations[body]
         how = operator.couplings[body], operator.near, force, self._weight
