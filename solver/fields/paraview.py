@@ -6,7 +6,6 @@ from pathlib import Path
 from string import Template
 
 from solver.fields.ground import floor_level, half_floor
-from solver.fields.vtkhdf import NAME
 from solver.scene import Scene
 
 SCRIPT = Template('''\
@@ -44,7 +43,7 @@ here = Path(globals().get("__file__", "open_in_paraview.py")).resolve().parent
 HALF_FLOOR, LEVEL = $half_floor, $level  # m
 DARK = [0.15, 0.15, 0.15]
 
-fields = OpenDataFile(str(here / "$file"))
+fields = OpenDataFile(str(here / "fields.pvd"))
 alone = GetActiveView() is None  # without a window, whose views have their sizes
 view = GetActiveViewOrCreate("RenderView")
 if alone:
@@ -116,7 +115,6 @@ def write_script(folder: Path, scene: Scene, *, stress: bool) -> None:
     """Write `open_in_paraview.py` for the run of a scene; with `stress` of elastic bodies."""
     text = paraview_script(
         half_floor(scene),
-        file=NAME if scene.output.fields == "vtkhdf" else "fields.pvd",
         dimension=scene.dimension,
         level=floor_level(scene),
         stress=stress,
@@ -129,7 +127,6 @@ def write_script(folder: Path, scene: Scene, *, stress: bool) -> None:
 def paraview_script(
     half_floor: float,
     *,
-    file: str = "fields.pvd",
     dimension: int = 2,
     level: float = 0.0,
     stress: bool = True,
@@ -143,7 +140,6 @@ def paraview_script(
     """
     spatial = dimension == 3
     return SCRIPT.substitute(
-        file=file,
         look="Surface With Edges" if edges else "Surface",
         links="shown.LineWidth = 3.0  # of links" if links else "",
         half_floor=repr(float(half_floor)),

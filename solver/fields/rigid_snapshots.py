@@ -8,12 +8,11 @@ import numpy as np
 
 from geometry.arrangement import Pose, level
 from geometry.skin import faces_of
-from solver.fields.files import open_files
 from solver.fields.ground import platform_corners
 from solver.fields.links import LinkFields
 from solver.fields.paraview import write_script
 from solver.fields.part import one_cell, rigid_fields, triangles
-from solver.fields.vtu import FieldsBefore
+from solver.fields.vtu import FieldsBefore, PvdFiles
 from solver.rigid.system import RigidSystem
 from solver.scene import Scene
 from solver.scene.laws import GROUND
@@ -40,7 +39,7 @@ class RigidSnapshots:
         upright = scene.poses(upright=True)
         corners = zip(scene.blocks, self._corners, strict=True)
         self._upright = [upright[block.name](own) for block, own in corners]
-        self._files = open_files(scene, folder, before or FieldsBefore(), writes=writes)
+        self._files = PvdFiles(folder, before or FieldsBefore(), writes=writes)
         parts = [
             (b.name, one_cell(corners) if b.shape.solid is None else triangles(corners, faces))
             for b, corners, (_, faces) in zip(scene.blocks, self._upright, seen, strict=True)
@@ -69,7 +68,6 @@ class RigidSnapshots:
         if self._links is not None:
             ends = self._links.ends_by(self._frames())
             self._links.write(time, ends, self._bodies.link_numbers)
-        self._files.end_time(time)
 
     def _frames(self) -> dict[str, Pose]:
         """From the own frame of each block, and of the foundation, to where it is."""

@@ -206,7 +206,7 @@ def draw_deformed(
 ) -> None:
     """Draw the bodies at some instants, true to scale, coloured by von Mises stress.
 
-    Of the .pvd or .vtkhdf file the snapshots nearest to the instants are drawn, above the floor,
+    Of the .pvd file the snapshots nearest to the instants are drawn, above the floor,
     whose height is given in m.
     """
     times = [instant.time_s for instant in chosen]

@@ -33,8 +33,8 @@ SHARP = "sharp"
 BENDS, BENDS_OF_SURFACE = 28.0, 45.0
 
 
-class PvdGrids:
-    """Grids of the bodies in the files that `fields.pvd` lists, undeformed and upright."""
+class FieldFiles:
+    """The bodies in the files that `fields.pvd` lists, by their times."""
 
     def __init__(self, file: Path):
         """Read the index; a time that a killed run left without some of the bodies is none."""
@@ -46,73 +46,20 @@ class PvdGrids:
         whole = [float(t or 0) for t in set(listed) if listed.count(t) == listed.count(listed[0])]
         self.times: Array = np.array(sorted(whole))
         """s."""
-        self.names = [e.get("name", "") for e in entries if e.get("timestep") == listed[0]]
-        """Names of the bodies, in their order; empty where the file has none."""
+        names = [e.get("name", "") for e in entries if e.get("timestep") == listed[0]]
+        self._numbers = [k for k, name in enumerate(names) if name != LINKS]
+        self.names = [names[k] for k in self._numbers]
+        """Names of the bodies, in their order; empty where the file has none. Links are drawn by
+        the history."""
 
     def read(self, index: int) -> list[Any]:
-        """The bodies at one of the times."""
-        self._reader.set_active_time_value(self.times[index])
-        return list(self._reader.read())
-
-
-class HdfGrids:
-    """Grids of the bodies in `fields.vtkhdf`, read by h5py.
-
-    The VTK of Debian 13 does not read several bodies with time.
-    """
-
-    def __init__(self, file: Path):
-        """Read the times and the names."""
-        import h5py
-
-        self._file = h5py.File(file, "r", locking=False)
-        self._bodies = dict(self._file["VTKHDF/Assembly"])
-        self.names = list(self._bodies)
-        """Names of the bodies, in their order."""
-        steps = [body["Steps"] for body in self._bodies.values()]
-        count = min(int(each.attrs["NSteps"]) for each in steps)
-        self.times: Array = np.asarray(steps[0]["Values"][:count])
-        """s."""
-
-    def read(self, index: int) -> list[Any]:
-        """The bodies at one of the times."""
-        return [_grid(body, index) for body in self._bodies.values()]
-
-
-def _grid(body: Any, index: int) -> Any:
-    """A body of the one file at one of its times."""
-    import pyvista
-
-    ends = np.asarray(body["Offsets"])
-    counts = np.diff(ends)
-    cells = np.insert(np.asarray(body["Connectivity"]), ends[:-1], counts)
-    grid = pyvista.UnstructuredGrid(cells, np.asarray(body["Types"]), np.asarray(body["Points"]))
-    for kind, data in (("PointData", grid.point_data), ("CellData", grid.cell_data)):
-        for name, values in body[kind].items():
-            start = int(body[f"Steps/{kind}Offsets/{name}"][index])
-            size = grid.n_points if kind == "PointData" else grid.n_cells
-            data[name] = np.asarray(values[start : start + size])
-    return grid
-
-
-class FieldFiles:
-    """The bodies in a .pvd or .vtkhdf file, by its times."""
-
-    def __init__(self, file: Path):
-        """Read times and names."""
-        self._grids = HdfGrids(file) if file.suffix == ".vtkhdf" else PvdGrids(file)
-        self.times = self._grids.times
-        self._numbers = [k for k, name in enumerate(self._grids.names) if name != LINKS]
-        self.names = [self._grids.names[k] for k in self._numbers]
-        """Names of the bodies; links are drawn by the history."""
-
-    def read(self, index: int) -> list[Any]:
-        """Surface of each body as `pyvista.PolyData`, in the order of the file.
+        """Surface of each body at one of the times, as `pyvista.PolyData`, in their order.
 
         Points are where the bodies stand, m; faces of meshed bodies have the von Mises stress of
         their cells (`von_mises`, Pa).
         """
-        grids = self._grids.read(index)
+        self._reader.set_active_time_value(self.times[index])
+        grids = self._reader.read()
         return [_surface(grids[k]) for k in self._numbers]
 
     def nearest(self, times: Sequence[float]) -> list[int]:
@@ -132,7 +79,6 @@ def _surface(grid: Any) -> Any:
     skin.Update()
     surface = pyvista.wrap(skin.GetOutput())
     surface.points = np.asarray(surface.points) + np.asarray(surface.point_data["displacement"])
-    surface.RemoveGhostCells()  # of another rank, whose part of the body has them, too
     return surface
 
 
