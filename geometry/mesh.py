@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from mpi4py import MPI
 
 from dolfinx.mesh import Mesh
@@ -10,10 +12,11 @@ from geometry.arrangement import Placement
 from geometry.block import Block
 from geometry.convex import Convex
 from geometry.foundation import Plate
-from geometry.gmsh_model import CELLS, MeshedBody, box, convex, make, rectangle
+from geometry.gmsh_model import MeshedBody, convex, make, put
 from geometry.grading import centred, graded, graded_to_both_ends
-from geometry.tags import tags_of_faces
-from solver.types import Array
+from geometry.grid import CELLS, grid_cells, tags_of_sides
+from geometry.tags import FacetTag, tags_of_faces
+from solver.types import Array, Mask
 
 
 def block_mesh(
@@ -51,7 +54,7 @@ def block_mesh(
         for side, count in zip(sides, cells[:-1], strict=True)
     ]
     up = shape.height * graded(cells[-1], refinement)
-    return _tensor_mesh("block", [*across, up], cell, comm)
+    return grid_mesh("block", [*across, up], cell, comm)
 
 
 def shape_mesh(part: Convex, size: float, comm: MPI.Intracomm = MPI.COMM_WORLD) -> MeshedBody:
@@ -90,7 +93,7 @@ def plate_mesh(
         centred(side, graded(count, 1.0)) for side, count in zip(sides, cells[:-1], strict=True)
     ]
     up = plate.height * (graded(cells[-1], 1.0) - 1)
-    return _tensor_mesh("plate", [*across, up], cell, comm)
+    return grid_mesh("plate", [*across, up], cell, comm)
 
 
 def _allowed(dimension: int, cells: tuple[int, ...], cell: str | None) -> bool:
@@ -103,18 +106,26 @@ def _allowed(dimension: int, cells: tuple[int, ...], cell: str | None) -> bool:
     )
 
 
-def _tensor_mesh(
-    name: str, lines: list[Array], cell: str | None, comm: MPI.Intracomm
+def grid_mesh(
+    name: str,
+    lines: Sequence[Array],
+    cell: str | None,
+    comm: MPI.Intracomm,
+    *,
+    there: Mask | None = None,
+    lowest: FacetTag = FacetTag.BOTTOM,
 ) -> MeshedBody:
-    """The mesh over the tensor grid of lines."""
+    """The mesh over a tensor grid, or over those of its boxes that are there; collective.
+
+    See `grid_cells` and `tags_of_sides`; `cell` is as in `block_mesh`.
+    """
+    dimension = len(lines)
 
     def build() -> None:
-        if len(lines) == 2:
-            rectangle(lines[0], lines[1], triangles=cell == "triangle")
-        else:
-            box(lines[0], lines[1], lines[2], tetrahedra=cell == "tetrahedron")
+        cells = grid_cells(lines, there, simplices=cell == CELLS[dimension][1])
+        put(cells, tags_of_sides(cells, lowest))
 
-    return make(name, build, len(lines), comm)
+    return make(name, build, dimension, comm)
 
 
 def move(mesh: Mesh, placement: Placement) -> None:

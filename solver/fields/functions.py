@@ -142,8 +142,10 @@ def at_nodes(function: fem.Function) -> Array:
 
 
 def in_cells(function: fem.Function) -> Array:
-    """Values of a function that is constant in each of the rank's own cells, (cells,) or
-    (cells, components); new."""
+    """Values of a function that is constant in each cell, (n,) or (n, components); new.
+
+    Of the rank's own cells.
+    """
     dofmap = function.function_space.dofmap
     size = dofmap.index_map_bs
     own = dofmap.list[: dofmap.index_map.size_local, 0]
