@@ -168,7 +168,7 @@ class RigidRun:
         """Accelerations of the ground at times, s, and mean ones between them; None: at rest."""
         if not self._motion.moves:
             return None
-        return self._motion.accelerations(times), self._motion.means(times)
+        return self._motion.acceleration(times), self._motion.means(times)
 
     def _rest(self, context: RunContext) -> tuple[str, str]:
         """A last, shorter step where the end is no multiple of the step."""
