@@ -13,7 +13,7 @@ import numpy as np
 from geometry.block import FACES
 from geometry.skin import skin_of
 from solver.fields.ground import platform_corners
-from solver.pictures.contact import BlockFrames, block_poses
+from solver.pictures.contact import block_poses, drift_at
 from solver.pictures.style import largest
 from solver.results.runs import Run
 from solver.scene import BlockSpec, Scene
@@ -103,8 +103,10 @@ class Bodies(Protocol):
 
     names: list[str]
     """Their names."""
-    stress_limit: float
-    """Stress that has the last colour, Pa; 0 where no body has any."""
+
+    @property
+    def stress_limit(self) -> float:
+        """Stress that has the last colour, Pa; 0 where no body has any."""
 
     def at(self, frame: int) -> list[Any]:
         """Surface of each body as `pyvista.PolyData`, m, in the order of `names`."""
@@ -150,12 +152,9 @@ def _padded(vectors: Array) -> Array:
 
 
 def rigid_shapes(scene: Scene) -> dict[str, RigidShape]:
-    """The blocks of a scene whose files have no more of their shapes than triangles, by name."""
-    return {
-        block.name: RigidShape(block, scene.dimension)
-        for block in scene.blocks
-        if block.model == "rigid" and block.shape.solid is not None
-    }
+    """The rigid blocks of a scene as they are drawn, by name."""
+    blocks = (block for block in scene.blocks if block.model == "rigid")
+    return {block.name: RigidShape(block, scene.dimension) for block in blocks}
 
 
 class RigidBodies:
@@ -163,19 +162,21 @@ class RigidBodies:
 
     stress_limit = 0.0
 
-    def __init__(self, run: Run, blocks: list[BlockFrames], drift: Array):
-        """Take the motion of the blocks and the drift of the platform, m, (n, d)."""
-        self._blocks, self._drift = blocks, drift
-        self._shapes = [RigidShape(block, run.scene.dimension) for block in run.scene.blocks]
+    def __init__(self, run: Run, times: Array):
+        """Take the motion of the blocks and of the platform in a run at some times, s."""
+        blocks, d = run.scene.blocks, run.scene.dimension
+        self._shapes = [RigidShape(block, d) for block in blocks]
+        self._poses = [block_poses(run, block, times) for block in blocks]
         self._platform = platform_corners(run.scene) if run.scene.has_platform else None
-        self.names = [block.name for block in run.scene.blocks]
+        self._drift = drift_at(run, times)
+        self.names = [block.name for block in blocks]
         self.names += ["platform"] if self._platform is not None else []
 
     def at(self, frame: int) -> list[Any]:
         """All as they stand."""
         surfaces = [
-            shape.at(block.centres[frame], block.frames[frame])
-            for shape, block in zip(self._shapes, self._blocks, strict=True)
+            shape.at(centres[frame], frames[frame])
+            for shape, (centres, frames) in zip(self._shapes, self._poses, strict=True)
         ]
         if self._platform is not None:
             surfaces.append(_box(self._platform + self._drift[frame]))
@@ -206,11 +207,15 @@ class DeformedBodies:
         blocks = {block.name: block for block in run.scene.blocks}
         both = np.concatenate([self._files.times, times])
         self._poses = [_poses(run, blocks.get(name), both) for name in self.names]
+
+    @property
+    def stress_limit(self) -> float:
+        """Stress that has the last colour, Pa, by some of the snapshots."""
         last = len(self._files.times) - 1
         sampled = {int(k) for k in np.linspace(0, last, min(SAMPLED, last + 1))}
         found = [stress_of(s) for index in sorted(sampled) for s in self._files.read(index)]
         everything = np.concatenate(found)
-        self.stress_limit = float(np.quantile(everything, 0.98)) if largest(everything) else 0.0
+        return float(np.quantile(everything, 0.98)) if largest(everything) else 0.0
 
     def at(self, frame: int) -> list[Any]:
         """Surfaces with their stress at the time of a frame."""
@@ -260,8 +265,8 @@ def _poses(run: Run, block: BlockSpec | None, times: Array) -> tuple[Array, Arra
     return centres, turned
 
 
-def bodies_of(run: Run, blocks: list[BlockFrames], drift: Array, times: Array) -> Bodies:
-    """The bodies of a run; what is meshed and has left no fields is drawn as rigid."""
+def bodies_of(run: Run, times: Array) -> Bodies:
+    """The bodies of a run at some times, s; what is meshed without fields is drawn as rigid."""
     if run.model == "finite elements" and run.fields is not None:
         return DeformedBodies(run, run.fields, times)
-    return RigidBodies(run, blocks, drift)
+    return RigidBodies(run, times)
