@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from itertools import pairwise
 
 from mpi4py import MPI
@@ -11,7 +11,6 @@ import numpy as np
 
 from geometry.foundation import Frame
 from geometry.gmsh_model import MeshedBody
-from geometry.grid import CELLS
 from geometry.mesh import grid_mesh
 from geometry.tags import FacetTag
 from solver.types import Array, Mask
@@ -32,15 +31,6 @@ class FrameCells:
     storey: int = 12
     """Along a column."""
 
-    def __post_init__(self) -> None:
-        """Refuse numbers that leave no cells."""
-        for field in fields(self):
-            count = getattr(self, field.name)
-            if count is not None and count < 1:
-                raise ValueError(
-                    f"FrameCells.{field.name}: got {count}, allowed a whole number >= 1"
-                )
-
 
 def frame_mesh(
     frame: Frame,
@@ -56,12 +46,6 @@ def frame_mesh(
     it: in the plane a portal, in space a deck on four columns, with one bay. `cell` is as in
     `block_mesh`.
     """
-    if dimension not in (2, 3) or (dimension == 3 and frame.bays != 1):
-        raise ValueError(
-            f"frame_mesh: got dimension {dimension} with {frame.bays} bays, allowed 2, or 3 with 1"
-        )
-    if cell not in (None, *CELLS[dimension]):
-        raise ValueError(f"frame_mesh: got cell {cell!r}, allowed one of {CELLS[dimension]}")
     cells = cells or FrameCells()
     deck, up = frame.deck, [cells.storey, cells.deck] * (len(frame.below) + 1)
     columns = [(deck.width, frame.column_width, frame.bays, cells.bay)]
@@ -83,12 +67,7 @@ def frame_mesh(
 
 def _column_breaks(length: float, column: float, bays: int) -> Array:
     """Places along the deck where columns begin and end, from -length/2 to length/2."""
-    bay = (length - (bays + 1) * column) / bays
-    if not bay > 0:
-        raise ValueError(
-            f"frame_mesh: {bays + 1} columns of {column} m do not fit below {length} m"
-        )
-    begin = np.arange(bays + 1) * (column + bay) - length / 2
+    begin = np.linspace(-length / 2, length / 2 - column, bays + 1)
     return np.column_stack([begin, begin + column]).ravel()
 
 

@@ -42,12 +42,6 @@ def block_mesh(
             for itself.
         comm: The ranks that share the mesh.
     """
-    # Checked before anything collective, alike on every rank.
-    if not (_allowed(dimension, cells, cell) and refinement >= 1):
-        raise ValueError(
-            f"block_mesh: dimension={dimension}, cells={cells}, cell={cell!r},"
-            f" refinement={refinement}"
-        )
     sides = (shape.width, shape.thickness)[: dimension - 1]
     across = [
         centred(side, graded_to_both_ends(count, refinement))
@@ -86,24 +80,12 @@ def plate_mesh(
     It has x in [-W/2, W/2], in space y in [-t/2, t/2], and goes from -h up to 0. Cells are those of
     `block_mesh`, all of one size in each direction.
     """
-    if not _allowed(dimension, cells, cell):
-        raise ValueError(f"plate_mesh: dimension={dimension}, cells={cells}, cell={cell!r}")
     sides = (plate.width, plate.thickness)[: dimension - 1]
     across = [
         centred(side, graded(count, 1.0)) for side, count in zip(sides, cells[:-1], strict=True)
     ]
     up = plate.height * (graded(cells[-1], 1.0) - 1)
     return grid_mesh("plate", [*across, up], cell, comm)
-
-
-def _allowed(dimension: int, cells: tuple[int, ...], cell: str | None) -> bool:
-    """True if there are cells of this kind and number."""
-    return (
-        dimension in CELLS
-        and len(cells) == dimension
-        and min(cells) >= 1
-        and cell in (None, *CELLS[dimension])
-    )
 
 
 def grid_mesh(

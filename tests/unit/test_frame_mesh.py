@@ -129,24 +129,3 @@ def _prefix():
 
     needed = "petsc_options_prefix" in inspect.signature(LinearProblem.__init__).parameters
     return {"petsc_options_prefix": "sway_"} if needed else {}
-
-
-def test_refuses_what_is_no_frame():
-    with pytest.raises(ValueError, match="no bay"):
-        Frame(deck=DECK, column_width=0.5, storey=1.0, bays=3)
-    with pytest.raises(ValueError, match=r"Frame.storey: got -1.0"):
-        Frame(deck=DECK, column_width=0.1, storey=-1.0)
-    with pytest.raises(ValueError, match=r"Frame.bays: got 0"):
-        Frame(deck=DECK, column_width=0.1, storey=1.0, bays=0)
-    with pytest.raises(ValueError, match="column_thickness"):
-        Frame(deck=DECK, column_width=0.1, storey=1.0, column_thickness=0.5)
-    with pytest.raises(ValueError, match=r"FrameCells.deck: got 0"):
-        FrameCells(deck=0)
-    with pytest.raises(ValueError, match="with 2 bays"):
-        frame_mesh(Frame(deck=DECK, column_width=0.1, storey=1.0, bays=2), dimension=3, comm=COMM)
-    portal = Frame(deck=DECK, column_width=0.1, storey=1.0)
-    with pytest.raises(ValueError, match="cell 'hexahedron'"):
-        frame_mesh(portal, cell="hexahedron", comm=COMM)
-    narrow = Frame(deck=Plate(width=2.0, height=0.2, thickness=0.2), column_width=0.1, storey=1.0)
-    with pytest.raises(ValueError, match="do not fit"):
-        frame_mesh(narrow, dimension=3, comm=COMM)
