@@ -409,10 +409,8 @@ class Reduced(NamedTuple):
     reduction: Reduction
     parts: ReducedParts
     storeys: Storeys
-    places: Indices
-    """Places of kept nodes on the face."""
     rows: Array
-    """Rows of the other nodes of the face."""
+    """Rows of the nodes of the face, (nodes, d, unknowns)."""
 
 
 def reduced_foundation(
@@ -439,15 +437,14 @@ def reduced_foundation(
 
     face, centres, floors, reduction = on_first_rank(comm, make)
     facts, d, none = reduction.facts, scene.dimension, np.empty(0, dtype=np.int64)
-    size = len(face["positions"])
     if found:
         (own,) = found
-        body, storeys = ReducedBody(comm, facts, own.parts), own.storeys
-        layer = ReducedLayer(comm, own.places, own.rows, size)
+        body, storeys, rows = ReducedBody(comm, facts, own.parts), own.storeys, own.rows
     else:
-        body, layer = ReducedBody(comm, facts, None), ReducedLayer(comm, none, _none(0), size)
-        storeys = Storeys([Foot(none, centre) for centre in centres], [_none(d - 1)] * floors)
-    surface = Facets(**face, layer=layer)
+        body, rows = ReducedBody(comm, facts, None), np.zeros((len(face["positions"]), d, 0))
+        nothing = np.zeros((d - 1, 0))
+        storeys = Storeys([Foot(none, centre) for centre in centres], [nothing] * floors)
+    surface = Facets(**face, layer=ReducedLayer(comm, rows))
     return FoundationBody.on_facets(number, body, surface, storeys, reduction)
 
 
@@ -487,8 +484,7 @@ def _reduced(scene: Scene, full: FoundationBody, ground: GroundMotion) -> Reduce
         Reduction.of(_facts(body, shapes.unknowns), basis, nodes),
         parts,
         _reduced_storeys(full.storeys, kept, shapes),
-        places=touched,
-        rows=shapes.rows(_unknowns(np.delete(top, touched), d)),
+        rows=shapes.rows(_unknowns(top, d)).reshape(len(top), d, -1),
     )
 
 
@@ -505,11 +501,6 @@ def _facts(body: ElasticBody, unknowns: int) -> ReducedFacts:
         springs=body.has_spring,
         full_unknowns=body.unknowns,
     )
-
-
-def _none(rows: int) -> Array:
-    """Rows of no unknowns."""
-    return np.zeros((rows, 0))
 
 
 def _unknowns(nodes: Indices, dimension: int) -> Indices:
