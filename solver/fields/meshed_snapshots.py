@@ -45,7 +45,7 @@ class Snapshots:
         """Begin the files and write the script that shows them in ParaView."""
         system = run.assembly.stepper.system
         writes = system.comm.rank == 0
-        files = self._files = PvdFiles(folder, before or FieldsBefore(), writes=writes)
+        files = PvdFiles(folder, before or FieldsBefore(), writes=writes)
         self._bodies: list[MeshedFields | RigidFields | HeldFields | MeshedLinks] = []
         for number, body in enumerate(system.bodies):
             if isinstance(body, ElasticBody):
@@ -84,10 +84,6 @@ class Snapshots:
                 trouble = trouble or error
         if trouble is not None:
             raise trouble
-
-    def close(self) -> None:
-        """Finish the files."""
-        self._files.close()
 
 
 class MeshedFields:

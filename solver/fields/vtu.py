@@ -12,7 +12,6 @@ import struct
 import sys
 from base64 import b64encode
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -89,13 +88,6 @@ def _declared(name: str, values: Values) -> str:
     return f'type="{kind}" Name="{name}" NumberOfComponents="{components}"'
 
 
-def entry_of(time: float, piece: str, part: int = 0, name: str = "") -> bytes:
-    """The entry of a piece, by its time, s, its path and the number and the name of its body."""
-    called = f' name="{name}"' if name else ""
-    where = f'timestep="{time:.17g}" part="{part}"{called}'
-    return f'    <DataSet {where} file="{piece}" />\n'.encode()
-
-
 @dataclass(frozen=True, slots=True)
 class FieldsBefore:
     """Fields that an earlier part of a run has left."""
@@ -116,16 +108,14 @@ class PvdFiles:
     def __init__(self, folder: Path, before: FieldsBefore, *, writes: bool):
         """Take the folder of the run; `writes` on the first rank only."""
         self.pieces, self.writes = folder / PIECES, writes
-        self._before = before
+        self._before, self._bodies = before, 0
         self._file, self._end = folder / "fields.pvd", 0
-        self._series: list[PieceSeries] = []
 
     def body(self, name: str, part: Part) -> PieceSeries:
         """A writer for the next body; collective among the ranks that share it."""
         again = f"-{self._before.part}" if self._before.part > 1 else ""
-        series = PieceSeries(self, part, len(self._series), name, f"fields_{name}{again}")
-        self._series.append(series)
-        return series
+        number, self._bodies = self._bodies, self._bodies + 1
+        return PieceSeries(self, part, number, name, f"fields_{name}{again}")
 
     def begin(self) -> None:
         """Write an empty index, or what is kept of the old one."""
@@ -139,17 +129,14 @@ class PvdFiles:
         self._file.write_bytes(INDEX_HEAD + kept + INDEX_TAIL)
         self._end = len(INDEX_HEAD) + len(kept)
 
-    def add(self, entry: bytes) -> None:
-        """List a piece; the time is the same number for all parts."""
+    def add(self, time: float, number: int, name: str, piece: str) -> None:
+        """List a piece of a body by its time, s, which is the same number for all bodies."""
+        where = f'timestep="{time:.17g}" part="{number}" name="{name}"'
+        entry = f'    <DataSet {where} file="{PIECES}/{piece}" />\n'.encode()
         with self._file.open("r+b") as stream:
             stream.seek(self._end)
             stream.write(entry + INDEX_TAIL)
         self._end += len(entry)
-
-    def close(self) -> None:
-        """List the pieces of each body alone; the index of all is complete after every piece."""
-        for series in self._series:
-            series.close()
 
 
 class PieceSeries:
@@ -162,8 +149,6 @@ class PieceSeries:
         """Prepare what does not change; the stem and a number are the names of the pieces."""
         self._index, self._part, self._number, self._name = index, part, number, name
         self._stem, self._count = stem, 0
-        self._alone: list[bytes] = []
-        """Entries of the body's own index."""
         mesh = part.gathered(part.points), part.gathered(part.nodes)
         self._piece = PieceWriter(*mesh, part.kind) if index.writes else None
 
@@ -180,12 +165,4 @@ class PieceSeries:
             return
         piece, self._count = f"{self._stem}{self._count:06d}.vtu", self._count + 1
         self._piece.write(self._index.pieces / piece, nodal, means)
-        self._index.add(entry_of(time, f"{PIECES}/{piece}", self._number, self._name))
-        self._alone.append(entry_of(time, piece))
-
-    def close(self) -> None:
-        """List the pieces of the body alone, if there is room for it."""
-        if self._piece is not None:
-            with suppress(OSError):
-                content = INDEX_HEAD + b"".join(self._alone) + INDEX_TAIL
-                (self._index.pieces / f"{self._stem}.pvd").write_bytes(content)
+        self._index.add(time, self._number, self._name, piece)

@@ -11,7 +11,9 @@ import pytest
 from numpy.typing import NDArray
 from processes import python
 
-from solver.fields.paraview import paraview_script
+from rockslip import parse_scene
+from solver.fields.ground import floor_level, half_floor
+from solver.fields.paraview import write_script
 
 pyvista = pytest.importorskip("pyvista")
 pytest.importorskip("dolfinx")
@@ -23,7 +25,6 @@ DEFORMATION = ROTATION @ np.diag([1 + STRETCH, 1.0])
 # Run on every rank: writes two instants of a turned and stretched block.
 WRITE = """
 import sys
-from contextlib import closing
 from pathlib import Path
 from mpi4py import MPI
 import numpy as np
@@ -48,13 +49,13 @@ nodal = {"displacement": u, "velocity": v, "contact_pressure": p}
 files = PvdFiles(file.parent, FieldsBefore(), writes=MPI.COMM_WORLD.rank == 0)
 files.begin()
 functions = BodyFunctions(nodal, Moduli.of(block, material))
-with closing(files.body("stone", part_of(V))) as writer:
-    write = lambda time: writer.write(time, *functions.arrays())
-    write(0.0)
-    u.interpolate(lambda x: (F - np.eye(2)) @ x[:2])
-    v.interpolate(lambda x: np.array([x[1], -x[0]]))
-    p.interpolate(lambda x: 7.0 - x[1])
-    write(0.25)
+writer = files.body("stone", part_of(V))
+write = lambda time: writer.write(time, *functions.arrays())
+write(0.0)
+u.interpolate(lambda x: (F - np.eye(2)) @ x[:2])
+v.interpolate(lambda x: np.array([x[1], -x[0]]))
+p.interpolate(lambda x: 7.0 - x[1])
+write(0.25)
 """
 
 
@@ -115,7 +116,7 @@ def assert_fields(grid: pyvista.UnstructuredGrid, plane: str) -> None:
     np.testing.assert_allclose(grid.cell_data["stress"], stress, atol=1e-9 * np.abs(stress).max())
 
 
-# An elastic block (part 0) and a rigid one (part 1), at two instants; the second is never closed.
+# An elastic block (part 0) and a rigid one (part 1), at two instants, and the end of a killed run.
 WRITE_PARTS = """
 import os, sys
 from pathlib import Path
@@ -157,7 +158,7 @@ for time in (0.0, 0.1):
         writers[name].write(time, *fields[name])
 comm.Barrier()
 MPI.Finalize()
-os._exit(0)  # as if killed: nothing is closed
+os._exit(0)  # as if killed
 """
 
 
@@ -274,8 +275,13 @@ def test_the_paraview_script_runs(tmp_path: Path, dimension: int, stress: bool, 
             return call
 
     script = tmp_path / "open_in_paraview.py"
-    text = paraview_script(0.75, dimension=dimension, level=-0.5, stress=stress)
-    script.write_text(text)
+    block = {"width": 0.3, "height": 1.0, "thickness": 0.3, "mass": 100.0, "model": "rigid"}
+    ground = {"kind": "oscillator", "mass": 100.0, "period": 0.5}
+    time = {"end": 1.0, "step": 0.1}
+    scene = parse_scene(
+        {"dimension": dimension, "block": [block], "foundation": ground, "time": time}
+    )
+    write_script(tmp_path, scene, stress=stress)
     modules = {"paraview": types.ModuleType("paraview"), "paraview.simple": Simple("simple")}
     with pytest.MonkeyPatch.context() as patch:
         for name, module in modules.items():
@@ -284,7 +290,9 @@ def test_the_paraview_script_runs(tmp_path: Path, dimension: int, stress: bool, 
         exec(compile(script.read_text(), script, "exec"), {"__file__": str(script)})
     assert seen["OpenDataFile"]["args"] == (str(tmp_path / "fields.pvd"),)
     assert seen["WarpByVector"]["ScaleFactor"] == 1.0
-    corner = [-0.75, -0.5, 0.0] if dimension == 2 else [0.75, -0.75, -0.5]
+    half, level = half_floor(scene), floor_level(scene)
+    assert half > 1 and level < 0
+    corner = [-half, level, 0.0] if dimension == 2 else [half, -half, level]
     assert seen[floor]["Point1"] == corner
     assert len({"Line", "Plane"} & set(seen)) == 1
     assert ("GetColorTransferFunction" in seen) is stress
@@ -330,11 +338,11 @@ def full(writer, file, *what, usual=PieceWriter.write):
 PieceWriter.write = full
 """
 FULL = WRITE.replace("\nfile, degree", FULL + "\nfile, degree").replace(
-    "    write(0.0)\n",
-    """    try:
-        write(0.0)
-    except OSError as error:
-        print(MPI.COMM_WORLD.rank, Path(error.filename).name)
+    "write(0.0)\n",
+    """try:
+    write(0.0)
+except OSError as error:
+    print(MPI.COMM_WORLD.rank, Path(error.filename).name)
 """,
 )
 
