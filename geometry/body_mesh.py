@@ -98,10 +98,11 @@ def cells_of_parts(parts: Sequence[Convex], size: float) -> Cells:
     """
     d = parts[0].dimension
     with silent_model("parts"), failures("got parts that Gmsh cannot mesh ({})"):
-        bodies = [(d, convex_body(gmsh.model.occ, part)[0]) for part in parts]
+        kernel = gmsh.model.occ if len(parts) > 1 else gmsh.model.geo
+        bodies = [(d, convex_body(kernel, part)) for part in parts]
         if len(bodies) > 1:
             gmsh.model.occ.fragment(bodies[:1], bodies[1:])
-        gmsh.model.occ.synchronize()
+        kernel.synchronize()
         gmsh.model.mesh.setSize(gmsh.model.getEntities(0), size)
         gmsh.model.mesh.generate(d)
         return cells_of_model(d)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import dataclass
 from typing import Any
@@ -56,35 +56,13 @@ def put(cells: Cells, tags: Indices) -> None:
         model.addPhysicalGroup(d - 1, [face], int(tag))
 
 
-def convex(part: Convex, tags: Sequence[int], size: float) -> None:
-    """Mesh a convex polygon or polyhedron by simplices in the current Gmsh model, tags included.
+def convex_body(kernel: Any, part: Convex) -> int:
+    """The number of a convex polygon or polyhedron that is made in the current Gmsh model.
 
-    Args:
-        part: The polygon or polyhedron.
-        tags: Of the faces, one for each.
-        size: Length of the edges of the cells, m.
-    """
-    body, sides = convex_body(gmsh.model.geo, part, size)
-    gmsh.model.geo.synchronize()
-    gmsh.model.addPhysicalGroup(part.dimension, [body], ALL_CELLS)
-    for number, side in zip(tags, sides, strict=True):
-        gmsh.model.addPhysicalGroup(part.dimension - 1, [side], number)
-    gmsh.model.mesh.generate(part.dimension)
-
-
-def convex_body(kernel: Any, part: Convex, size: float = 0.0) -> tuple[int, list[int]]:
-    """A convex polygon or polyhedron in a kernel of the current Gmsh model.
-
-    Args:
-        kernel: `gmsh.model.geo` or `gmsh.model.occ`.
-        part: The polygon or polyhedron.
-        size: Length of the edges of the cells at its corners, m; 0: not given there.
-
-    Returns:
-        Its number, and those of its sides.
+    In a kernel of it, `gmsh.model.geo` or `gmsh.model.occ`.
     """
     places = np.pad(part.corners, ((0, 0), (0, 3 - part.dimension)))
-    points = [kernel.addPoint(*place, size) for place in places]
+    points = [kernel.addPoint(*place) for place in places]
     lines: dict[tuple[int, int], int] = {}
 
     def line(a: int, b: int) -> int:
@@ -97,10 +75,9 @@ def convex_body(kernel: Any, part: Convex, size: float = 0.0) -> tuple[int, list
         return lines.setdefault((a, b), kernel.addLine(points[a], points[b]))
 
     if part.dimension == 2:
-        sides = [line(*face) for face in part.faces]
-        return kernel.addPlaneSurface([kernel.addCurveLoop(sides)]), sides
+        return int(kernel.addPlaneSurface([kernel.addCurveLoop([line(*f) for f in part.faces])]))
     sides = [
         kernel.addPlaneSurface([kernel.addCurveLoop([line(*ends) for ends in around(face)])])
         for face in part.faces
     ]
-    return kernel.addVolume([kernel.addSurfaceLoop(sides)]), sides
+    return int(kernel.addVolume([kernel.addSurfaceLoop(sides)]))

@@ -6,13 +6,15 @@ from collections.abc import Sequence
 
 from mpi4py import MPI
 
+import numpy as np
 from dolfinx.mesh import Mesh
 
 from geometry.arrangement import Placement
 from geometry.block import Block
+from geometry.body_mesh import cells_of_parts
 from geometry.convex import Convex
 from geometry.foundation import Plate
-from geometry.gmsh_model import MeshedBody, convex, make, put
+from geometry.gmsh_model import MeshedBody, make, put
 from geometry.grading import centred, graded, graded_to_both_ends
 from geometry.grid import CELLS, grid_cells, tags_of_sides
 from geometry.tags import FacetTag, tags_of_faces
@@ -59,10 +61,12 @@ def shape_mesh(part: Convex, size: float, comm: MPI.Intracomm = MPI.COMM_WORLD) 
         size: Length of the edges of the cells, m.
         comm: The ranks that share the mesh.
     """
-    tags = tags_of_faces([float(rise) for rise in part.normals[:, -1]])
+    tags = np.array(tags_of_faces([float(rise) for rise in part.normals[:, -1]]))
 
     def build() -> None:
-        convex(part, tags, size)
+        cells = cells_of_parts((part,), size)
+        middles = cells.points[cells.boundary].mean(axis=1)
+        put(cells, tags[np.argmax(middles @ part.normals.T - part.levels, axis=1)])
 
     return make("shape", build, part.dimension, comm)
 

@@ -153,10 +153,6 @@ class Solid:
         density = None if self.density is None else factor * self.density
         return replace(self, parts=parts, density=density)
 
-    def with_density(self, density: float) -> Solid:
-        """This body with a mean density m/V, kg/m^3: all densities by one factor."""
-        return self.with_mass(density * self.volume)
-
     def standing(self) -> Solid:
         """This body in the own frame of a block: the origin in the middle of its bottom.
 

@@ -80,16 +80,6 @@ class Surface:
         a, b, c = (self.points[self.triangles[:, k]] for k in range(3))
         return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
 
-    @property
-    def low(self) -> Array:
-        """Lower corner of the box around it, (3,), m."""
-        return np.asarray(self.points[np.unique(self.triangles)].min(axis=0))
-
-    @property
-    def high(self) -> Array:
-        """Upper corner of the box around it, (3,), m."""
-        return np.asarray(self.points[np.unique(self.triangles)].max(axis=0))
-
     def is_near(self, place: Array, reach: float) -> bool:
         """True if a place (3,) is within, or a way of `reach` (m) along an axis leads there."""
         ways = reach * np.concatenate([np.zeros((1, 3)), np.eye(3), -np.eye(3)])
