@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, TypeAlias
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -13,6 +13,7 @@ import numpy as np
 from geometry.block import FACES
 from geometry.skin import skin_of
 from solver.fields.ground import platform_corners
+from solver.fields.part import in_space
 from solver.pictures.contact import block_poses, drift_at
 from solver.pictures.style import largest
 from solver.results.runs import Run
@@ -98,20 +99,6 @@ def polygons(surface: Any) -> list[Array]:
     return np.split(np.asarray(surface.points)[corners], offsets[1:-1])
 
 
-class Bodies(Protocol):
-    """The surfaces of all bodies, frame by frame."""
-
-    names: list[str]
-    """Their names."""
-
-    @property
-    def stress_limit(self) -> float:
-        """Stress that has the last colour, Pa; 0 where no body has any."""
-
-    def at(self, frame: int) -> list[Any]:
-        """Surface of each body as `pyvista.PolyData`, m, in the order of `names`."""
-
-
 class RigidShape:
     """A rigid block as it is drawn: its skin, about the middle of the box around it."""
 
@@ -136,19 +123,14 @@ class RigidShape:
 
         d = self._corners.shape[1]
         surface = pyvista.PolyData(
-            _padded(centre[:d] + self._corners @ frame[:d, :d].T), faces=self._faces
+            in_space(centre[:d] + self._corners @ frame[:d, :d].T), faces=self._faces
         )
         edges = (centre[:d] + self._edges @ frame[:d, :d].T).reshape(-1, d)
-        surface.field_data[EDGES] = _padded(edges)
+        surface.field_data[EDGES] = in_space(edges)
         normals = (self._normals @ frame[:d, :d].T).reshape(-1, d)
-        surface.field_data[EDGE_NORMALS] = _padded(normals)
+        surface.field_data[EDGE_NORMALS] = in_space(normals)
         surface.field_data[SHARP] = [self._sharp]
         return surface
-
-
-def _padded(vectors: Array) -> Array:
-    """Vectors (n, d) in space, (n, 3)."""
-    return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
 
 
 def rigid_shapes(scene: Scene) -> dict[str, RigidShape]:
@@ -161,6 +143,7 @@ class RigidBodies:
     """Rigid blocks and the platform, from the history: exact at any time."""
 
     stress_limit = 0.0
+    """No body has any stress."""
 
     def __init__(self, run: Run, times: Array):
         """Take the motion of the blocks and of the platform in a run at some times, s."""
@@ -189,7 +172,7 @@ def _box(corners: Array) -> Any:
 
     faces = FACES if corners.shape[1] == 3 else ((0, 1, 2, 3),)
     return pyvista.PolyData(
-        _padded(corners), faces=np.concatenate([[len(face), *face] for face in faces])
+        in_space(corners), faces=np.concatenate([[len(face), *face] for face in faces])
     )
 
 
@@ -263,6 +246,10 @@ def _poses(run: Run, block: BlockSpec | None, times: Array) -> tuple[Array, Arra
         d = own.shape[1]
         centres[:, :d], turned[:, :d, :d] = own, frames
     return centres, turned
+
+
+Bodies: TypeAlias = RigidBodies | DeformedBodies
+"""The surfaces of all bodies, frame by frame."""
 
 
 def bodies_of(run: Run, times: Array) -> Bodies:
