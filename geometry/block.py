@@ -121,20 +121,14 @@ class Block:
 
     def radius(self, side: int = 0) -> float:
         """Radius R = sqrt(b^2 + h^2), m, from the edge to the centre of mass."""
-        if self.centre is None:
-            return self.half_diagonal
         return math.hypot(self.arm(side), self.centre_height)
 
     def slenderness(self, side: int = 0) -> float:
         """Slenderness alpha = atan(b / h), rad: where the block balances above its edge."""
-        if self.centre is None:
-            return math.atan2(self.width, self.height)
         return math.atan2(self.arm(side), self.centre_height)
 
     def uplift(self, side: int = 0) -> float:
         """Acceleration over gravity b / h at which it lifts about the edge on a side."""
-        if self.centre is None:
-            return self.width / self.height
         return self.arm(side) / self.centre_height
 
     @property

@@ -40,18 +40,13 @@ class Convex:
 
     def __post_init__(self) -> None:
         """Refuse what is not convex, and integrate."""
-        refuse_density(self.density, "Convex.density")
         corners = real_points(self.corners, "Convex.corners", 2, 3)
         faces = tuple(tuple(int(k) for k in face) for face in self.faces)
         size = size_of(corners)
         if not size > 0:
             raise ValueError("Convex.corners: got one place, allowed corners of a convex shape")
-        if corners.shape[1] == 2:
-            _check_polygon(corners, faces, size)
-            facets = np.array(faces)
-        else:
-            _check_polyhedron(corners, faces, size)
-            facets = triangles_of(faces)
+        _check(corners, faces, size)
+        facets = np.array(faces) if corners.shape[1] == 2 else triangles_of(faces)
         moments = moments_of(corners, facets)
         if not moments.volume > 0:
             raise ValueError(
@@ -117,14 +112,7 @@ class Convex:
 
     def with_density(self, density: float) -> Convex:
         """This shape with another density, kg/m^3."""
-        refuse_density(density, "Convex.density")
         return changed(self, density=density)
-
-
-def refuse_density(density: float | None, name: str) -> None:
-    """ValueError for what is no density."""
-    if density is None or not (math.isfinite(density) and density > 0):
-        raise ValueError(f"{name}: got {density}, allowed a number > 0, kg/m3")
 
 
 def polygon_faces(count: int) -> Faces:
@@ -337,105 +325,33 @@ def _begun_well(points: Array, loops: list[list[int]]) -> list[list[int]]:
     return found
 
 
-def _check_polygon(corners: Array, faces: Faces, size: float) -> None:
-    """A convex polygon turns left at each corner, once round in all."""
-    count = len(corners)
-    if count < 3:
-        raise ValueError(f"Convex.corners: got {count} corners, allowed 3 or more")
-    if faces != polygon_faces(count):
-        raise ValueError(f"Convex.faces: got {faces[:3]} ..., allowed (0, 1), (1, 2), ...")
-    place = _not_convex(corners[None], np.zeros((1, 2)), size)[0]
-    if place >= 0:
-        raise ValueError(
-            f"Convex.corners: got a corner that is not convex at {told(corners[place])},"
-            " allowed a convex polygon, anticlockwise"
-        )
-
-
-def _not_convex(rings: Array, normals: Array, size: float) -> Indices:
-    """Number of a corner of each flat ring that does not turn left; -1 if it is convex, (m,).
-
-    Args:
-        rings: Corners of rings, (m, k, 2) or (m, k, 3).
-        normals: Unit normals towards whom they turn left, (m, 3); not used of (m, k, 2).
-        size: The size of the body, m.
-    """
-    sides = np.roll(rings, -1, axis=1) - rings
-    before = np.roll(sides, 1, axis=1)
-    lengths = np.linalg.norm(sides, axis=2)
-    if rings.shape[2] == 2:
-        across = before[..., 0] * sides[..., 1] - before[..., 1] * sides[..., 0]
-    else:
-        across = np.einsum("mki,mi->mk", np.cross(before, sides), normals)
-    angles = np.arctan2(across, np.einsum("mki,mki->mk", before, sides))
-    off = -across / np.maximum(np.linalg.norm(sides + before, axis=2), 1e-300)
-    bad = (off > FLAT * size).any(axis=1) | ~(np.abs(angles.sum(axis=1) - 2 * math.pi) < 1)
-    short = (lengths <= 1e-12 * size).any(axis=1)
-    worst = np.where(short, lengths.argmin(axis=1), angles.argmin(axis=1))
-    return np.where(bad | short, worst, -1)
-
-
-def _check_polyhedron(corners: Array, faces: Faces, size: float) -> None:
-    """Faces that are flat, convex, anticlockwise, close the body, and bend inwards at all edges.
+def _check(corners: Array, faces: Faces, size: float) -> None:
+    """Faces that are flat, close the body, and bend inwards where two meet.
 
     Convex at each edge, and closed like a ball, is convex (Tietze and Nakajima).
     """
-    owner: dict[tuple[int, int], int] = {}
-    for number, face in enumerate(faces):
-        if len(set(face)) != len(face) or len(face) < 3:
-            raise ValueError(f"Convex.faces: got {face}, allowed 3 or more different corners")
-        if not all(0 <= k < len(corners) for k in face):
-            raise ValueError(
-                f"Convex.faces: got {face}, allowed numbers of the {len(corners)} corners"
-            )
-        for pair in around(face):
-            if pair in owner:
-                raise ValueError(
-                    f"Convex.faces: got the edge {pair} in two faces in the same sense,"
-                    " allowed faces anticlockwise seen from outside"
-                )
-            owner[pair] = number
-    for start, end in owner:
-        if (end, start) not in owner:
-            raise ValueError(
-                f"Convex.faces: got an edge {(start, end)} with one face, allowed a closed body"
-            )
-    used = {k for face in faces for k in face}
-    euler = len(corners) - len(owner) // 2 + len(faces)
-    if len(used) != len(corners) or euler != 2:
-        raise ValueError(
-            f"Convex.faces: got corners - edges + faces = {euler}, {len(corners) - len(used)}"
-            " corners in no face, allowed 2 and 0 (Euler)"
-        )
+    if corners.shape[1] == 2:
+        closed = len(corners) > 2 and faces == polygon_faces(len(corners))
+        beside = around(range(len(faces)))
+    else:
+        edges = edges_between(faces)
+        closed = 2 * len(edges) == sum(map(len, faces))
+        closed = closed and len(corners) - len(edges) + len(faces) == 2  # Euler
+        beside = [(one, other) for *_, one, other in edges]
+    if not closed:
+        raise ValueError("Convex.faces: got an open surface, allowed a closed body, anticlockwise")
     normals = normals_of(corners, faces)
     levels = np.einsum("ni,ni->n", corners[[face[0] for face in faces]], normals)
-    pairs = np.array([(number, owner[end, start]) for (start, end), number in owner.items()])
-    for numbers, loops in _by_length(faces):
-        rings, up = corners[loops], normals[numbers]
-        off = np.abs(np.einsum("mki,mi->mk", rings - rings[:, :1], up)).max(axis=1)
-        bad = np.flatnonzero((off > FLAT * size) | ~up.any(axis=1))
-        if len(bad):
-            raise ValueError(
-                f"Convex.faces: got a face at {told(rings[bad[0], 0])} that is not flat by"
-                f" {off[bad[0]]:.3g} m, allowed {FLAT * size:.3g}"
-            )
-        places = _not_convex(rings, up, size)
-        bad = np.flatnonzero(places >= 0)
-        if len(bad):
-            raise ValueError(
-                f"Convex.faces: got a face with a corner at {told(rings[bad[0], places[bad[0]]])}"
-                " that is not convex, allowed convex faces"
-            )
-        # The faces beside these, which must not rise above them.
-        place = np.full(len(faces), -1)
-        place[numbers] = np.arange(len(numbers))
-        lower = pairs[place[pairs[:, 1]] >= 0]
-        heights = np.einsum("mki,mi->mk", rings[place[lower[:, 1]]], normals[lower[:, 0]])
-        above = heights.max(axis=1, initial=-np.inf) - levels[lower[:, 0]]
-        if (above > FLAT * size).any():
-            worst = int(np.argmax(above > FLAT * size))
-            foot = corners[faces[lower[worst, 0]][0]]
-            raise ValueError(
-                f"Convex.corners: got a corner {above[worst]:.3g} m above a face at {told(foot)},"
-                " allowed a convex polyhedron, faces outwards"
-            )
+    own = [(k, k) for k in range(len(faces))]
+    pairs = [*own, *beside, *((other, one) for one, other in beside)]
+    lower = np.concatenate([faces[other] for _, other in pairs])
+    upper = np.repeat([one for one, _ in pairs], [len(faces[other]) for _, other in pairs])
+    heights = np.einsum("ni,ni->n", corners[lower], normals[upper]) - levels[upper]
+    flat = sum(map(len, faces))
+    heights[:flat] = np.abs(heights[:flat])
+    worst = int(np.argmax(heights))
+    if heights[worst] > FLAT * size or not normals.any(axis=1).all():
+        raise ValueError(
+            f"Convex.corners: got {told(corners[lower[worst]])}, {heights[worst]:.3g} m off the"
+            " plane of a face, allowed a convex body, faces flat and anticlockwise from outside"
+        )

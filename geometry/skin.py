@@ -176,33 +176,21 @@ def _opening(around: Sequence[Array], along: Array) -> Array | None:
         return around[0]
     across = around[0][0]
     aside = np.cross(along, across)
-    filled = []
-    for normals in around:
-        flat = np.stack([normals @ across, normals @ aside], axis=1)
-        flat = flat[np.linalg.norm(flat, axis=1) > 0.5]
-        if not len(flat):
-            return None
-        turned = np.arctan2(flat[:, 1], flat[:, 0])
-        # What is behind all of these planes, from the first angle to the last one.
-        middle = math.atan2(*(-flat.sum(axis=0))[::-1]) if len(flat) > 1 else turned[0] + math.pi
-        off = np.angle(np.exp(1j * (turned + math.pi - middle)))
-        filled.append((middle + off.max() - math.pi / 2, middle + off.min() + math.pi / 2))
-    begin, end = filled[0]
-    gaps = [(end, begin + 2 * math.pi)]
-    for low, high in filled[1:]:
-        left = []
-        for a, b in gaps:
-            for turn in (-2, -1, 0, 1, 2):
-                first, last = low + 2 * math.pi * turn, high + 2 * math.pi * turn
-                if first < b - FULL and last > a + FULL:
-                    left += [(a, min(first, b))] if first > a + FULL else []
-                    a = max(a, last)
-            left += [(a, b)] if b > a + FULL else []
-        gaps = left
-    if not gaps or (len(gaps) == 1 and abs(gaps[0][1] - gaps[0][0] - math.pi) < 1e-5):
+    planes = [np.stack([normals @ across, normals @ aside], axis=1) for normals in around]
+    planes = [flat[np.linalg.norm(flat, axis=1) > 0.5] for flat in planes]
+    # Only where a plane is does it change what is filled: sectors from one to the next.
+    turned = np.concatenate([np.arctan2(flat[:, 1], flat[:, 0]) for flat in planes])
+    begins = np.sort(np.concatenate([turned - math.pi / 2, turned + math.pi / 2]) % (2 * math.pi))
+    widths = np.diff(begins, append=begins[0] + 2 * math.pi)
+    begins, widths = begins[widths > FULL], widths[widths > FULL]
+    middles = begins + widths / 2
+    ways = np.stack([np.cos(middles), np.sin(middles)])
+    is_open = ~np.any([(flat @ ways < 0).all(axis=0) for flat in planes], axis=0)
+    first = np.flatnonzero(is_open & ~np.roll(is_open, 1))
+    wide = float(widths[is_open].sum())
+    if not len(first) or (len(first) == 1 and abs(wide - math.pi) < 1e-5):
         return None
-    a, b = gaps[0]
-    if len(gaps) > 1:  # two bodies that only touch at this line
-        b = a
+    a = begins[first[0]]
+    b = a + (wide if len(first) == 1 else 0.0)  # two bodies only touch at a line with more gaps
     turns = np.array([a + math.pi / 2, b - math.pi / 2])
     return np.asarray(np.outer(np.cos(turns), across) + np.outer(np.sin(turns), aside))

@@ -183,7 +183,6 @@ def _tell_before(scene: Scene, ground: GroundMotion, ranks: int, folder: Path) -
 def run_scene(options: argparse.Namespace) -> int:
     """`rockslip run`: rank 0 reads scene and motion, all ranks run it."""
     from solver.excitation.motion import read_ground
-    from solver.fields.vtkhdf import refuse_without_h5py
     from solver.parallel import abort_on_exceptions, on_first_rank, world
     from solver.scene import load_scene
     from solver.stepping.petsc_options import command_line, parse_options
@@ -197,10 +196,8 @@ def run_scene(options: argparse.Namespace) -> int:
     if options.scene is None and options.resume is None:
         raise missing_key("SCENE", "or --resume DIR (see rockslip run --help)")
     path = _resumed_scene(options) if options.resume else options.scene
-    # Files are read by rank 0 alone. What cannot be read is refused before anything is written, and
-    # so is a scene that needs what is not installed.
+    # Files are read by rank 0 alone. What cannot be read is refused before anything is written.
     scene = on_first_rank(comm, lambda: load_scene(path, options.overrides))
-    refuse_without_h5py(scene)
     ground = read_ground(scene, comm)
     try:
         comm = world(meshed=not scene.is_rigid)

@@ -114,7 +114,7 @@ def outcome(amplitude: float, duration: float, *, end: float = 5.0, **trilith: A
     while system.time < end:
         times = system.time + dt * np.arange(201)
         means = ground.means(times)
-        done = system.advance(200, dt, ground.accelerations(times), mean=means)
+        done = system.advance(200, dt, ground.acceleration(times), mean=means)
         if done.failure:
             return done.failure
         moved = max(moved, float(np.abs(done.rows[:, across] - places[:, 0]).max()))

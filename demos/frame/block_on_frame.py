@@ -145,8 +145,7 @@ def _drawn(runs: list[Run]) -> Figure:
         Instant(0.0, "at rest"),
         Instant(largest, "largest drift"),
     ]
-    floor = -sum((frame_of(runs[0].scene).storey, frame_of(runs[0].scene).deck.height))
-    draw_deformed(above, runs[0].folder / "fields.pvd", instants, dimension=3, floor=floor)
+    draw_deformed(above, runs[0], instants)
     panels = below.subplots(2, 2, sharex=True, sharey="row")
     for axes, (name, label) in zip(panels.flat, NAMES.items(), strict=True):
         for run, look in zip(

@@ -247,7 +247,7 @@ def overview(run: Run, reference: RockingReference, matched: RockingReference) -
         axes.plot(run.history["time_s"], angle, color=style.BLUE, label="elastic block, this run")
         axes.set(xlabel="time (s)", ylabel="rocking angle (°)", xlim=(0, run.scene.time.end))
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, fontsize="small")
-        draw_deformed(below, run.folder / "fields.pvd", instants(run))
+        draw_deformed(below, run, instants(run))
         figure.draw_without_rendering()  # a first layout of subfigures cuts labels off
         figure.savefig(file, dpi=160)
     return file

@@ -119,11 +119,10 @@ def words(name: str, run: Run) -> str:
 
 def draw(name: str, run: Run, file: Path) -> None:
     """The bodies at some instants."""
-    assert run.fields is not None
     times = np.linspace(0, EVEN[name], 4) if name in EVEN else []
     chosen = [Instant(float(time)) for time in times]
     with mpl.rc_context(STYLE):
-        figure = deformed_figure(run, run.fields, chosen)
+        figure = deformed_figure(run, chosen)
         figure.savefig(file, dpi=RESOLUTION, pil_kwargs={"optimize": True})
 
 

@@ -197,9 +197,7 @@ def _drawn(runs: list[Run]) -> Figure:
     model = chosen[-1][1]
     time, lean = model.history["time_s"], np.abs(model.history["block.angle_rad"])
     instants = [Instant(0.0, "at rest"), Instant(float(time[np.argmax(lean)]), "leans most")]
-    foundation, fields = model.scene.foundation, model.fields
-    assert fields is not None
-    draw_deformed(above, fields, instants, dimension=3, floor=-(foundation.depth or 0.0))
+    draw_deformed(above, model, instants)
     panels = below.subplots(3, len(chosen), sharex=True, sharey="row", squeeze=False)
     for column, (pair, own, prototype) in zip(panels.T, chosen, strict=True):
         _draw_pair(column, own, prototype)

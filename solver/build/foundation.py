@@ -439,7 +439,8 @@ def reduced_foundation(
         body, storeys, rows = ReducedBody(comm, facts, own.parts), own.storeys, own.rows
     else:
         body, rows = ReducedBody(comm, facts, None), np.zeros((face["positions"].size, 0))
-        storeys = Storeys([Foot(none, centre) for centre in centres], [_none(d - 1)] * floors)
+        nothing = np.zeros((d - 1, 0))
+        storeys = Storeys([Foot(none, centre) for centre in centres], [nothing] * floors)
     surface = Facets(**face, layer=RowsLayer(comm, rows, d))
     return FoundationBody.on_facets(number, body, surface, storeys, reduction)
 
@@ -497,11 +498,6 @@ def _facts(body: ElasticBody, unknowns: int) -> ReducedFacts:
         springs=body.has_spring,
         full_unknowns=body.unknowns,
     )
-
-
-def _none(rows: int) -> Array:
-    """Rows of no unknowns."""
-    return np.zeros((rows, 0))
 
 
 def _unknowns(nodes: Indices, dimension: int) -> Indices:

@@ -53,17 +53,11 @@ class BaseMotion(Protocol):
     def stop(self) -> float:
         """Time at which the acceleration is over, s."""
 
-    def acceleration(self, time: float) -> float:
-        """Acceleration of the ground a_g, m/s^2."""
+    def acceleration(self, time: Array | float) -> Any:
+        """Acceleration of the ground a_g at one or many times, m/s^2."""
 
-    def velocity(self, time: float) -> float:
-        """Velocity of the ground, m/s."""
-
-    def accelerations(self, times: Array) -> Array:
-        """Accelerations of the ground at many times, m/s^2."""
-
-    def velocities(self, times: Array) -> Array:
-        """Velocities of the ground at many times, m/s."""
+    def velocity(self, time: Array | float) -> Any:
+        """Velocity of the ground at one or many times, m/s."""
 
 
 def base_motion(spec: MotionSpec | None, end: float, where: str = "motion") -> BaseMotion | None:

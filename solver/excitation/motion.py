@@ -35,15 +35,19 @@ class GroundMotion:
         """The vertical motion."""
         return self.parts[-1]
 
-    def acceleration(self, time: float) -> Array:
-        """Acceleration of the ground, m/s^2, (d,)."""
-        return np.array([part.acceleration(time) if part else 0.0 for part in self.parts])
+    def acceleration(self, time: Array | float) -> Array:
+        """Acceleration of the ground at one time, m/s^2, (d,), or at many, (n, d)."""
+        still = np.zeros(np.shape(time))
+        return np.stack([p.acceleration(time) if p else still for p in self.parts], axis=-1)
+
+    def velocity(self, time: Array | float) -> Array:
+        """Velocity of the ground at one time, m/s, (d,), or at many, (n, d)."""
+        still = np.zeros(np.shape(time))
+        return np.stack([p.velocity(time) if p else still for p in self.parts], axis=-1)
 
     def mean(self, time: float, dt: float) -> Array:
         """Mean acceleration from a time on, for a time dt, m/s^2, (d,): see `means`."""
-        later = time + dt
-        gained = [p.velocity(later) - p.velocity(time) if p else 0.0 for p in self.parts]
-        return np.array(gained) / (later - time)
+        return self.means(np.array([time, time + dt]))[0]
 
     def means(self, times: Array) -> Array:
         """Mean accelerations from each of n times to the next, m/s^2, (n - 1, d).
@@ -51,18 +55,7 @@ class GroundMotion:
         What the velocity gains over the time that passes, so that steps of any length take up the
         whole impulse.
         """
-        gained = np.diff(self.velocities(times), axis=0)
-        return np.asarray(gained / np.diff(times)[:, None])
-
-    def accelerations(self, times: Array) -> Array:
-        """Accelerations of the ground at many times, m/s^2, (n, d)."""
-        still = np.zeros_like(times)
-        return np.stack([p.accelerations(times) if p else still for p in self.parts], axis=-1)
-
-    def velocities(self, times: Array) -> Array:
-        """Velocities of the ground at many times, m/s, (n, d)."""
-        still = np.zeros_like(times)
-        return np.stack([p.velocities(times) if p else still for p in self.parts], axis=-1)
+        return np.asarray(np.diff(self.velocity(times), axis=0) / np.diff(times)[:, None])
 
 
 def read_ground(scene: Scene, comm: Comm | None = None) -> GroundMotion:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -40,29 +41,21 @@ class Pulse(ABC):
     def peak_velocity(self) -> float:
         """Largest |v_g|, m/s: where the acceleration changes its sign, or in the end."""
         times = [tau for tau in self._reversals if 0 < tau < self.duration]
-        return max(abs(self._v(tau)) for tau in (*times, self.duration))
+        return max(abs(float(self._v(tau))) for tau in (*times, self.duration))
 
     @property
     def end_velocity(self) -> float:
         """v_g once it is over, m/s; what is round-off beside the largest counts as 0."""
-        end = self._v(self.duration)
+        end = float(self._v(self.duration))
         return end if abs(end) > 1e-6 * self.peak_velocity else 0.0
 
-    def acceleration(self, time: float) -> float:
-        """Acceleration of the ground a_g, m/s^2."""
-        return self._a(time - self.start) if self.start <= time <= self.stop else 0.0
+    def acceleration(self, time: Array | float) -> Any:
+        """Acceleration of the ground a_g at one or many times, m/s^2."""
+        return self._a(time - self.start) * ((self.start <= time) & (time <= self.stop))
 
-    def velocity(self, time: float) -> float:
-        """Velocity of the ground, m/s."""
-        return self._v(min(max(time - self.start, 0.0), self.duration))
-
-    def accelerations(self, times: Array) -> Array:
-        """Accelerations of the ground at many times, m/s^2."""
-        return np.array([self.acceleration(float(time)) for time in times])
-
-    def velocities(self, times: Array) -> Array:
-        """Velocities of the ground at many times, m/s."""
-        return np.array([self.velocity(float(time)) for time in times])
+    def velocity(self, time: Array | float) -> Any:
+        """Velocity of the ground at one or many times, m/s."""
+        return self._v(np.clip(time - self.start, 0.0, self.duration))
 
     @property
     @abstractmethod
@@ -70,10 +63,10 @@ class Pulse(ABC):
         """Times at which the acceleration changes its sign, s; of periodic ones the first."""
 
     @abstractmethod
-    def _a(self, tau: float) -> float: ...
+    def _a(self, tau: Any) -> Any: ...
 
     @abstractmethod
-    def _v(self, tau: float) -> float: ...
+    def _v(self, tau: Any) -> Any: ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,18 +79,18 @@ class Sine(Pulse):
     @property
     def peak(self) -> float:
         """Largest |a_g|, m/s^2."""
-        return abs(self._a(min(self.duration, self.period / 4)))
+        return abs(float(self._a(min(self.duration, self.period / 4))))
 
     @property
     def _reversals(self) -> tuple[float, ...]:
         return (self.period / 2,)
 
-    def _a(self, tau: float) -> float:
-        return self.amplitude * math.sin(2 * math.pi / self.period * tau)
+    def _a(self, tau: Any) -> Any:
+        return self.amplitude * np.sin(2 * math.pi / self.period * tau)
 
-    def _v(self, tau: float) -> float:
+    def _v(self, tau: Any) -> Any:
         w = 2 * math.pi / self.period
-        return self.amplitude / w * (1 - math.cos(w * tau))
+        return self.amplitude / w * (1 - np.cos(w * tau))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -108,10 +101,10 @@ class Rectangular(Pulse):
     def _reversals(self) -> tuple[float, ...]:
         return ()
 
-    def _a(self, tau: float) -> float:
+    def _a(self, tau: Any) -> Any:
         return self.amplitude
 
-    def _v(self, tau: float) -> float:
+    def _v(self, tau: Any) -> Any:
         return self.amplitude * tau
 
 
@@ -131,16 +124,16 @@ class Ricker(Pulse):
         apart = 1 / (math.sqrt(2) * math.pi * self.frequency)
         return tuple(self.duration / 2 + s for s in (-apart, apart))
 
-    def _decay(self, tau: float) -> tuple[float, float, float]:
+    def _decay(self, tau: Any) -> tuple[float, Any, Any]:
         """b, s and exp(-b s^2)."""
         b, s = (math.pi * self.frequency) ** 2, tau - self.duration / 2
-        return b, s, math.exp(-b * s**2)
+        return b, s, np.exp(-b * s**2)
 
-    def _a(self, tau: float) -> float:
+    def _a(self, tau: Any) -> Any:
         b, s, decay = self._decay(tau)
         return self.amplitude * (1 - 2 * b * s**2) * decay
 
-    def _v(self, tau: float) -> float:
+    def _v(self, tau: Any) -> Any:
         _, s, decay = self._decay(tau)
         _, first, small = self._decay(0.0)
         return self.amplitude * (s * decay - first * small)

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from bisect import bisect_right
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -37,15 +36,10 @@ class SampledMotion:
     """The source in a file, in words; empty: the samples are of no file."""
     _speed: Array = field(init=False, repr=False)
     """Velocities at the samples, m/s, (n,): the integral of the broken line."""
-    _rows: tuple[list[float], list[float], list[float]] = field(init=False, repr=False)
-    """The three arrays as lists: every step takes single values."""
 
     def __post_init__(self) -> None:
         """Integrate."""
-        speed = running_integral(self.time, self.value)
-        object.__setattr__(self, "_speed", speed)
-        lists = (self.time.tolist(), self.value.tolist(), speed.tolist())
-        object.__setattr__(self, "_rows", lists)
+        object.__setattr__(self, "_speed", running_integral(self.time, self.value))
 
     @property
     def peak(self) -> float:
@@ -62,38 +56,15 @@ class SampledMotion:
         """From the first to the last sample, s."""
         return float(self.time[-1] - self.time[0])
 
-    def acceleration(self, time: float) -> float:
-        """Acceleration of the ground a_g, m/s^2."""
-        times, values, _ = self._rows
-        after = bisect_right(times, time)
-        if after == 0 or time > times[-1]:
-            return 0.0
-        if after == len(times):
-            return values[-1]
-        part = (time - times[after - 1]) / (times[after] - times[after - 1])
-        return values[after - 1] + part * (values[after] - values[after - 1])
+    def acceleration(self, time: Array | float) -> Any:
+        """Acceleration of the ground a_g at one or many times, m/s^2."""
+        return np.interp(time, self.time, self.value, left=0.0, right=0.0)
 
-    def velocity(self, time: float) -> float:
-        """Velocity of the ground, m/s: at rest before the first sample; exact."""
-        times, values, speeds = self._rows
-        after = bisect_right(times, time)
-        if after == 0:
-            return 0.0
-        if after == len(times):
-            return speeds[-1]
-        since = time - times[after - 1]
-        slope = (values[after] - values[after - 1]) / (times[after] - times[after - 1])
-        return speeds[after - 1] + since * (values[after - 1] + since * slope / 2)
-
-    def accelerations(self, times: Array) -> Array:
-        """Accelerations of the ground at many times, m/s^2."""
-        return np.interp(times, self.time, self.value, left=0.0, right=0.0)
-
-    def velocities(self, times: Array) -> Array:
-        """Velocities of the ground at many times, m/s."""
-        first = np.clip(np.searchsorted(self.time, times, side="right") - 1, 0, len(self.time) - 2)
+    def velocity(self, time: Array | float) -> Any:
+        """Velocity of the ground at one or many times, m/s: exact, from rest."""
+        first = np.clip(np.searchsorted(self.time, time, side="right") - 1, 0, len(self.time) - 2)
         length = self.time[first + 1] - self.time[first]
-        since = np.clip(times - self.time[first], 0.0, length)
+        since = np.clip(time - self.time[first], 0.0, length)
         slope = (self.value[first + 1] - self.value[first]) / length
         return self._speed[first] + since * (self.value[first] + since * slope / 2)
 
@@ -123,7 +94,7 @@ class SampledMotion:
             count = math.ceil(self.duration / finest * (1 - 1e-9))
         count = max(min(count, MOST_SAMPLES), len(self.time) - 1)
         times = np.linspace(self.time[0], self.time[-1], count + 1)
-        return self.accelerations(times), self.duration / count
+        return self.acceleration(times), self.duration / count
 
 
 def running_integral(time: Array, values: Array) -> Array:

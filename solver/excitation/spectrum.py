@@ -154,7 +154,7 @@ def highest_frequency(ground: GroundMotion, end: float) -> float:
     count = min(MOST_SAMPLES, max(64, math.ceil(span * SAMPLES)))
     step = span / (count - 1)
     times: Array = step * np.arange(count, dtype=np.float64)
-    accelerations = ground.accelerations(times)
+    accelerations = ground.acceleration(times)
     if max(stops) > end:  # the jump to zero at the end of the run is no part of the motion
         fading = np.minimum(1.0, np.linspace(1.0, 0.0, count) / FADED)
         accelerations *= 0.5 * (1 - np.cos(math.pi * fading))[:, None]

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from mpi4py import MPI
+
 import numpy as np
 import ufl
 from dolfinx import fem, plot
@@ -65,7 +67,7 @@ class CellMean:
         self._volume = np.repeat(volume, space.dofmap.index_map_bs)[: self._owned]
 
     def fill(self) -> None:
-        """Let the function be the mean of the expression as it is; collective."""
+        """Let the function be the mean of the expression as it is, on the rank's own cells."""
         integral = fem.assemble_vector(self._integral).array
         self.function.x.array[: self._owned] = integral[: self._owned] / self._volume
 
@@ -104,14 +106,12 @@ class BodyFunctions:
             ]
 
     def arrays(self) -> tuple[dict[str, Values], dict[str, Values]]:
-        """Values at the nodes and in the cells that this rank holds, its own first; collective.
+        """Values at the nodes and in the cells that are this rank's own.
 
         They are named as the fields are; the stress is that of the displacement as it is.
         """
         for mean in self.means:
             mean.fill()
-        for function in (*self.nodal, *(mean.function for mean in self.means)):
-            function.x.scatter_forward()
         nodal: dict[str, Values] = {each.name: at_nodes(each) for each in self.nodal}
         means: dict[str, Values] = {
             mean.function.name: in_cells(mean.function) for mean in self.means
@@ -120,36 +120,34 @@ class BodyFunctions:
 
 
 def part_of(space: fem.FunctionSpace) -> Part:
-    """The nodes of a function space and the cells over them that this rank holds."""
-    topology = space.mesh.topology
-    cells = topology.index_map(topology.dim)
-    known = range(cells.size_local + cells.num_ghosts)
-    connectivity, kinds, places = plot.vtk_mesh(space, known)
-    per_cell = space.dofmap.dof_layout.num_dofs
-    nodes = np.asarray(connectivity, dtype=np.int64).reshape(len(known), per_cell + 1)[:, 1:]
-    nodes_map = space.dofmap.index_map
-    count = nodes_map.size_local + nodes_map.num_ghosts
+    """The nodes of a function space and the cells over them that are this rank's; collective."""
+    topology, numbers = space.mesh.topology, space.dofmap.index_map
+    cells = topology.index_map(topology.dim).size_local
+    connectivity, kinds, places = plot.vtk_mesh(space, np.arange(cells, dtype=np.int32))
+    nodes = np.asarray(connectivity, dtype=np.int32).reshape(cells, -1)[:, 1:]
     return Part(
-        points=places,
-        nodes=nodes,
-        kind=int(kinds[0]) if len(kinds) else 0,
+        points=places[: numbers.size_local],
+        nodes=numbers.local_to_global(nodes.ravel()).reshape(nodes.shape),
+        kind=space.mesh.comm.allreduce(int(kinds.max(initial=0)), MPI.MAX),
         comm=space.mesh.comm,
-        own_points=int(nodes_map.size_local),
-        own_cells=int(cells.size_local),
-        numbers=nodes_map.local_to_global(np.arange(count, dtype=np.int32)),
     )
 
 
 def at_nodes(function: fem.Function) -> Array:
-    """Values at the nodes, (n,), or vectors, (n, 3); new."""
-    size = function.function_space.dofmap.index_map_bs
-    values = function.x.array
+    """Values at the rank's own nodes, (n,), or vectors, (n, 3); new."""
+    dofmap = function.function_space.dofmap
+    size = dofmap.index_map_bs
+    values = function.x.array[: size * dofmap.index_map.size_local]
     return values.copy() if size == 1 else in_space(values.reshape(-1, size))
 
 
 def in_cells(function: fem.Function) -> Array:
-    """Values of a function that is constant in each cell, (cells,) or (cells, components); new."""
+    """Values of a function that is constant in each cell, (n,) or (n, components); new.
+
+    Of the rank's own cells.
+    """
     dofmap = function.function_space.dofmap
     size = dofmap.index_map_bs
-    values: Array = function.x.array.reshape(-1, size)[dofmap.list[:, 0]]
+    own = dofmap.list[: dofmap.index_map.size_local, 0]
+    values: Array = function.x.array.reshape(-1, size)[own]
     return values[:, 0] if size == 1 else values

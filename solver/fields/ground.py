@@ -27,7 +27,7 @@ def platform_corners(scene: Scene) -> Array:
 def floor_level(scene: Scene) -> float:
     """Height of the floor, m: of the ground below whatever carries the blocks."""
     depth = scene.foundation.depth
-    return float(platform_corners(scene)[:, -1].min()) if depth is None else -depth
+    return float(platform_corners(scene)[:, -1].min() if depth is None else -depth)
 
 
 def half_floor(scene: Scene) -> float:

@@ -17,7 +17,7 @@ from solver.scene.places import own_ends
 from solver.types import Array
 
 if TYPE_CHECKING:
-    from solver.fields.files import FieldFiles
+    from solver.fields.vtu import PvdFiles
 
 LINE = 3
 """VTK's number of a line."""
@@ -36,7 +36,7 @@ class LinkFields:
     distance between its ends.
     """
 
-    def __init__(self, scene: Scene, files: FieldFiles):
+    def __init__(self, scene: Scene, files: PvdFiles):
         """Where the ends are on bodies that stand upright, as those do in the files."""
         self._scene = scene
         upright = {GROUND: level(np.zeros(scene.dimension))} | scene.poses(upright=True)

@@ -17,14 +17,13 @@ from solver.build.assembly import Assembly
 from solver.contact.body_points import NitschePoints
 from solver.contact.memory import Memory
 from solver.contact.pairs import Link
-from solver.fields.files import BodyWriter, FieldFiles, open_files
 from solver.fields.functions import BodyFunctions, part_of
 from solver.fields.ground import platform_corners
 from solver.fields.links import LinkFields
 from solver.fields.nodal_contact import NodeState, edge_forces, nodal_contact
 from solver.fields.paraview import write_script
 from solver.fields.part import one_cell, rigid_fields, triangles
-from solver.fields.vtu import FieldsBefore
+from solver.fields.vtu import FieldsBefore, PieceSeries, PvdFiles
 from solver.scene import Scene
 from solver.stepping.state import State
 from solver.types import Array
@@ -46,8 +45,7 @@ class Snapshots:
         """Begin the files and write the script that shows them in ParaView."""
         system = run.assembly.stepper.system
         writes = system.comm.rank == 0
-        before = before or FieldsBefore()
-        files = self._files = open_files(scene, folder, before, writes=writes)
+        files = PvdFiles(folder, before or FieldsBefore(), writes=writes)
         self._bodies: list[MeshedFields | RigidFields | HeldFields | MeshedLinks] = []
         for number, body in enumerate(system.bodies):
             if isinstance(body, ElasticBody):
@@ -86,17 +84,12 @@ class Snapshots:
                 trouble = trouble or error
         if trouble is not None:
             raise trouble
-        self._files.end_time(time)
-
-    def close(self) -> None:
-        """Finish the files."""
-        self._files.close()
 
 
 class MeshedFields:
     """The fields of a meshed body."""
 
-    def __init__(self, run: SteppedRun, number: int, body: ElasticBody, files: FieldFiles):
+    def __init__(self, run: SteppedRun, number: int, body: ElasticBody, files: PvdFiles):
         """Make the functions that the files hold."""
         self._run, self._body = run, body
         self._own = run.assembly.stepper.system.slices[number]
@@ -121,7 +114,7 @@ class MeshedFields:
         body, state = self._body, self._run.state
         for function, values in ((self._displacement, state.u), (self._velocity, state.v)):
             function.x.array[: body.size] = self._on_mesh(values[self._own])
-            function.x.scatter_forward()
+        self._displacement.x.scatter_forward()  # its gradient in cells at the border of a rank
         self._fill_contact()
         self._writer.write(time, *self._functions.arrays())
 
@@ -182,7 +175,7 @@ class MeshedFields:
 class ReducedFields(MeshedFields):
     """The fields of a reduced body on the mesh that it stands for; on rank 0, which has it all."""
 
-    def __init__(self, run: SteppedRun, number: int, parts: ReducedParts, files: FieldFiles):
+    def __init__(self, run: SteppedRun, number: int, parts: ReducedParts, files: PvdFiles):
         """Make the functions that the files hold."""
         super().__init__(run, number, parts.mesh, files)
         self._shapes = parts.shapes
@@ -203,7 +196,7 @@ class ReducedFields(MeshedFields):
 class HeldFields:
     """A plate that is meshed and fully restrained: it stands where it stood, without stress."""
 
-    def __init__(self, space: fem.FunctionSpace, files: FieldFiles):
+    def __init__(self, space: fem.FunctionSpace, files: PvdFiles):
         """Take the space of the plate's displacements, all zero."""
         nodal = {name: fem.Function(space) for name in ("displacement", "velocity")}
         self._functions = BodyFunctions(nodal, None)
@@ -239,7 +232,7 @@ class RigidFields:
         number: int,
         body: DenseBody,
         corners: Array,
-        writer: BodyWriter,
+        writer: PieceSeries,
     ):
         """Take the body, its corners and the writer."""
         self._run = run

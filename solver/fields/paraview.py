@@ -6,7 +6,6 @@ from pathlib import Path
 from string import Template
 
 from solver.fields.ground import floor_level, half_floor
-from solver.fields.vtkhdf import NAME
 from solver.scene import Scene
 
 SCRIPT = Template('''\
@@ -44,7 +43,7 @@ here = Path(globals().get("__file__", "open_in_paraview.py")).resolve().parent
 HALF_FLOOR, LEVEL = $half_floor, $level  # m
 DARK = [0.15, 0.15, 0.15]
 
-fields = OpenDataFile(str(here / "$file"))
+fields = OpenDataFile(str(here / "fields.pvd"))
 alone = GetActiveView() is None  # without a window, whose views have their sizes
 view = GetActiveViewOrCreate("RenderView")
 if alone:
@@ -113,44 +112,22 @@ floor = Plane(
 
 
 def write_script(folder: Path, scene: Scene, *, stress: bool) -> None:
-    """Write `open_in_paraview.py` for the run of a scene; with `stress` of elastic bodies."""
-    text = paraview_script(
-        half_floor(scene),
-        file=NAME if scene.output.fields == "vtkhdf" else "fields.pvd",
-        dimension=scene.dimension,
-        level=floor_level(scene),
-        stress=stress,
-        links=bool(scene.links),
-        edges=all(b.model != "rigid" or b.shape.solid is None for b in scene.blocks),
-    )
-    (folder / "open_in_paraview.py").write_text(text, encoding="utf-8")
+    """Write `open_in_paraview.py` for the run of a scene.
 
-
-def paraview_script(
-    half_floor: float,
-    *,
-    file: str = "fields.pvd",
-    dimension: int = 2,
-    level: float = 0.0,
-    stress: bool = True,
-    edges: bool = True,
-    links: bool = False,
-) -> str:
-    """Text of `open_in_paraview.py`, with a floor at a level whose half length is given, m.
-
-    Bodies are coloured by their stress where one is elastic, else each in a colour. They have the
-    `edges` of their cells, but for rigid shapes, whose faces are cut into triangles.
+    Bodies are coloured by their `stress` where one is elastic, else each in a colour. They have the
+    edges of their cells, but for rigid shapes, whose faces are cut into triangles.
     """
-    spatial = dimension == 3
-    return SCRIPT.substitute(
-        file=file,
+    spatial = scene.dimension == 3
+    edges = all(b.model != "rigid" or b.shape.solid is None for b in scene.blocks)
+    text = SCRIPT.substitute(
         look="Surface With Edges" if edges else "Surface",
-        links="shown.LineWidth = 3.0  # of links" if links else "",
-        half_floor=repr(float(half_floor)),
-        level=repr(float(level)),
+        links="shown.LineWidth = 3.0  # of links" if scene.links else "",
+        half_floor=repr(half_floor(scene)),
+        level=repr(floor_level(scene)),
         coloured="coloured by von Mises stress" if stress else "each in a colour of its own",
         colours=BY_STRESS if stress else BY_BODY,
         camera=CAMERA_3D if spatial else 'view.InteractionMode = "2D"',
         floor=PLANE if spatial else LINE,
         grey=[0.85, 0.85, 0.85] if spatial else [0.2, 0.2, 0.2],
     )
+    (folder / "open_in_paraview.py").write_text(text, encoding="utf-8")

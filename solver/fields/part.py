@@ -25,22 +25,27 @@ BOXES = {4: 9, 8: 12}
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Part:
-    """Nodes and the cells over them, of one kind: those of the rank, then copies of others."""
+    """Nodes and the cells over them, of one kind: those that are the rank's own."""
 
     points: Array
     """Places of the nodes of the undeformed body, m, (n, 3)."""
     nodes: Indices
-    """Numbers of the nodes of each cell, in VTK's order, (cells, nodes of a cell)."""
+    """Numbers of the nodes of each cell among those of all ranks, one rank after the other, in
+    VTK's order, (cells, nodes of a cell)."""
     kind: int
-    """VTK's number of the cells; 0 on a rank without any."""
+    """VTK's number of the cells."""
     comm: Comm = field(default_factory=Single)
     """The ranks that share the body."""
-    own_points: int | None = None
-    """Number of nodes that are the rank's own; None: all."""
-    own_cells: int | None = None
-    """Number of cells that are the rank's own; None: all."""
-    numbers: Indices | None = None
-    """Numbers of the nodes among those of all ranks, (n,); None: as they stand."""
+
+    def gathered(self, own: Values) -> Values:
+        """Numbers of the nodes or cells of all ranks on the first one; its own on others.
+
+        Collective.
+        """
+        if isinstance(self.comm, Single) or self.comm.size == 1:
+            return own
+        parts = self.comm.gather(own, root=0)
+        return own if parts is None else np.concatenate(parts)
 
 
 def one_cell(corners: Array) -> Part:

@@ -8,12 +8,11 @@ import numpy as np
 
 from geometry.arrangement import Pose, level
 from geometry.skin import faces_of
-from solver.fields.files import open_files
 from solver.fields.ground import platform_corners
 from solver.fields.links import LinkFields
 from solver.fields.paraview import write_script
-from solver.fields.part import one_cell, rigid_fields, triangles
-from solver.fields.vtu import FieldsBefore
+from solver.fields.part import in_space, one_cell, rigid_fields, triangles
+from solver.fields.vtu import FieldsBefore, PieceSeries, PvdFiles
 from solver.rigid.system import RigidSystem
 from solver.scene import Scene
 from solver.scene.laws import GROUND
@@ -33,64 +32,47 @@ class RigidSnapshots:
         before: FieldsBefore | None = None,
     ):
         """Begin the files and write the script that shows them in ParaView; on one rank only."""
-        self._bodies, self._dimension = bodies, scene.dimension
-        seen = [faces_of(block.shape, scene.dimension) for block in scene.blocks]
-        self._corners = [corners for corners, _ in seen]
-        self._centres = [np.array(b.shape.centre_of_mass(scene.dimension)) for b in scene.blocks]
+        self._bodies, self._blocks, d = bodies, scene.blocks, scene.dimension
+        self._centres = [np.array(b.shape.centre_of_mass(d)) for b in scene.blocks]
+        files = PvdFiles(folder, before or FieldsBefore(), writes=writes)
         upright = scene.poses(upright=True)
-        corners = zip(scene.blocks, self._corners, strict=True)
-        self._upright = [upright[block.name](own) for block, own in corners]
-        self._files = open_files(scene, folder, before or FieldsBefore(), writes=writes)
-        parts = [
-            (b.name, one_cell(corners) if b.shape.solid is None else triangles(corners, faces))
-            for b, corners, (_, faces) in zip(scene.blocks, self._upright, seen, strict=True)
-        ]
+        self._drawn: list[tuple[Array, Array, PieceSeries]] = []
+        """Corners of each block in its own frame and upright, m, and its writer."""
+        for block in scene.blocks:
+            own, faces = faces_of(block.shape, d)
+            placed = upright[block.name](own)
+            part = one_cell(placed) if block.shape.solid is None else triangles(placed, faces)
+            self._drawn.append((own, placed, files.body(block.name, part)))
+        self._platform = None
         if scene.has_platform:
-            parts.append(("platform", one_cell(platform_corners(scene))))
-        self._writers = [self._files.body(*part) for part in parts]
-        self._links = LinkFields(scene, self._files) if scene.links else None
-        self._names = [block.name for block in scene.blocks]
-        self._files.begin()
+            self._platform = files.body("platform", one_cell(platform_corners(scene)))
+        self._links = LinkFields(scene, files) if scene.links else None
+        files.begin()
         if writes:
             write_script(folder, scene, stress=False)
 
     def write(self, time: float) -> None:
         """Write the bodies as they stand, at a time, s."""
-        for block, upright in enumerate(self._upright):
-            arms, velocity = self._moved(block)
-            place = arms + self._bodies.centre(block)
-            self._writers[block].write(time, rigid_fields(place - upright, velocity), {})
-        for writer in self._writers[len(self._corners) :]:
-            count = 2**self._dimension
-            shift, speed = np.zeros((count, self._dimension)), np.zeros((count, self._dimension))
-            shift[:, : self._dimension - 1] = self._bodies.drift
-            speed[:, : self._dimension - 1] = self._bodies.drift_velocity
-            writer.write(time, rigid_fields(shift, speed), {})
+        frames = self._frames()
+        for number, (own, upright, writer) in enumerate(self._drawn):
+            frame = frames[self._blocks[number].name]
+            places, spin = frame(own), self._bodies.angular_velocity(number)
+            if len(spin) == 1:  # clockwise
+                spin = np.append(np.zeros(2), -spin)
+            velocity = in_space(self._bodies.velocity(number)[None])
+            velocity = velocity + np.cross(spin, in_space(places - frame.place))
+            writer.write(time, rigid_fields(places - upright, velocity), {})
+        if self._platform is not None:
+            moved = frames[GROUND].place, np.append(self._bodies.drift_velocity, 0.0)
+            fields = rigid_fields(*(np.tile(each, (2 ** len(each), 1)) for each in moved))
+            self._platform.write(time, fields, {})
         if self._links is not None:
-            ends = self._links.ends_by(self._frames())
-            self._links.write(time, ends, self._bodies.link_numbers)
-        self._files.end_time(time)
+            self._links.write(time, self._links.ends_by(frames), self._bodies.link_numbers)
 
     def _frames(self) -> dict[str, Pose]:
         """From the own frame of each block, and of the foundation, to where it is."""
-        place = np.append(self._bodies.drift, 0.0)
-        found = {GROUND: level(place)}
-        for number, name in enumerate(self._names):
+        found = {GROUND: level(np.append(self._bodies.drift, 0.0))}
+        for number, (block, own) in enumerate(zip(self._blocks, self._centres, strict=True)):
             rotation, centre = self._bodies.rotation(number), self._bodies.centre(number)
-            found[name] = Pose(rotation=rotation, about=self._centres[number], place=centre)
+            found[block.name] = Pose(rotation=rotation, about=own, place=centre)
         return found
-
-    def _moved(self, block: int) -> tuple[Array, Array]:
-        """From a block's centre of mass to its corners, m, and the velocities of these, m/s."""
-        own = self._corners[block] - self._centres[block]
-        arms = own @ self._bodies.rotation(block).T
-        spin = self._bodies.angular_velocity(block)
-        if self._dimension == 2:
-            turning: Array = spin[0] * np.stack([arms[:, 1], -arms[:, 0]], axis=1)
-        else:
-            turning = np.asarray(np.cross(spin, arms), dtype=np.float64)
-        return arms, turning + self._bodies.velocity(block)
-
-    def close(self) -> None:
-        """Close the files; they are complete after every snapshot."""
-        self._files.close()

@@ -11,8 +11,7 @@ import re
 import struct
 import sys
 from base64 import b64encode
-from collections.abc import Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,20 +19,16 @@ import numpy as np
 
 from solver.errors import of_file
 from solver.fields.part import Part, Values
-from solver.parallel import any_rank
 
 TYPES = {"f8": "Float64", "i8": "Int64", "u1": "UInt8"}
 """VTK's names of the types of numbers, by numpy's."""
 
-COPIES = "vtkGhostType"
-"""VTK's name of the array in which copies of another rank's nodes and cells are not 0."""
-
 HEAD = (
     '<?xml version="1.0"?>\n'
-    f'<VTKFile type="{{kind}}" version="1.0" byte_order="{sys.byteorder.capitalize()}Endian" '
-    'header_type="UInt64">\n'
+    '<VTKFile type="UnstructuredGrid" version="1.0" header_type="UInt64" '
+    f'byte_order="{sys.byteorder.capitalize()}Endian">\n<UnstructuredGrid>\n'
 )
-END = "</VTKFile>\n"
+TAIL = b"</Piece>\n</UnstructuredGrid>\n</VTKFile>\n"
 
 INDEX_HEAD = b'<?xml version="1.0"?>\n<VTKFile type="Collection" version="1.0">\n  <Collection>\n'
 INDEX_TAIL = b"  </Collection>\n</VTKFile>\n"
@@ -47,58 +42,30 @@ ENTRY = re.compile(rb' *<DataSet timestep="([^"]+)"[^>]*/>\n')
 class PieceWriter:
     """Writes the pieces of a mesh, which is the same in all of them."""
 
-    def __init__(self, part: Part):
-        """Prepare what does not change."""
-        count, per_cell = part.nodes.shape
-        sizes = f'NumberOfPoints="{len(part.points)}" NumberOfCells="{count}"'
+    def __init__(self, points: Values, nodes: Values, kind: int):
+        """Prepare what does not change; arguments as in `Part`, of all ranks together."""
+        count, per_cell = nodes.shape
+        sizes = f'NumberOfPoints="{len(points)}" NumberOfCells="{count}"'
         topology: dict[str, Values] = {
-            "connectivity": part.nodes.ravel(),
+            "connectivity": nodes.ravel(),
             "offsets": np.arange(1, count + 1, dtype=np.int64) * per_cell,
-            "types": np.full(count, part.kind, dtype=np.uint8),
+            "types": np.full(count, kind, dtype=np.uint8),
         }
         self._before = b"".join(
             [
-                HEAD.format(kind="UnstructuredGrid").encode(),
-                f"<UnstructuredGrid>\n<Piece {sizes}>\n".encode(),
-                *_section("Points", {"points": part.points}),
+                f"{HEAD}<Piece {sizes}>\n".encode(),
+                *_section("Points", {"points": points}),
                 *_section("Cells", topology),
             ]
         )
-        self._after = f"</Piece>\n</UnstructuredGrid>\n{END}".encode()
 
     def write(self, file: Path, nodal: Mapping[str, Values], means: Mapping[str, Values]) -> None:
         """Write fields at the nodes and in the cells, by their names."""
         fields = *_section("PointData", nodal), *_section("CellData", means)
-        _write(file, b"".join([self._before, *fields, self._after]))
-
-
-def write_parts(
-    file: Path, parts: Sequence[str], nodal: Mapping[str, Values], means: Mapping[str, Values]
-) -> None:
-    """Write what VTK opens instead of the pieces of all ranks, with fields as in one of them.
-
-    Args:
-        file: Where to.
-        parts: Names of the pieces.
-        nodal: Fields at the nodes.
-        means: Fields in the cells.
-    """
-    lines = [HEAD.format(kind="PUnstructuredGrid"), '<PUnstructuredGrid GhostLevel="1">\n']
-    for place, fields in (("PPointData", nodal), ("PCellData", means)):
-        declared = [f"<PDataArray {_declared(*field)}/>\n" for field in fields.items()]
-        lines += [f"<{place}>\n", *declared, f"</{place}>\n"]
-    points = _declared("points", np.empty((0, 3)))
-    lines.append(f"<PPoints>\n<PDataArray {points}/>\n</PPoints>\n")
-    lines += [f'<Piece Source="{part}"/>\n' for part in parts]
-    _write(file, "".join([*lines, "</PUnstructuredGrid>\n", END]).encode())
-
-
-def _write(file: Path, content: bytes) -> None:
-    """Write a file; errors name it, whenever they happen."""
-    try:
-        file.write_bytes(content)
-    except OSError as error:
-        raise of_file(error, file) from error
+        try:
+            file.write_bytes(b"".join([self._before, *fields, TAIL]))
+        except OSError as error:
+            raise of_file(error, file) from error  # errors name it, whenever they happen
 
 
 def _section(place: str, arrays: Mapping[str, Values]) -> list[bytes]:
@@ -121,13 +88,6 @@ def _declared(name: str, values: Values) -> str:
     return f'type="{kind}" Name="{name}" NumberOfComponents="{components}"'
 
 
-def entry_of(time: float, piece: str, part: int = 0, name: str = "") -> bytes:
-    """The entry of a piece, by its time, s, its path and the number and the name of its body."""
-    called = f' name="{name}"' if name else ""
-    where = f'timestep="{time:.17g}" part="{part}"{called}'
-    return f'    <DataSet {where} file="{piece}" />\n'.encode()
-
-
 @dataclass(frozen=True, slots=True)
 class FieldsBefore:
     """Fields that an earlier part of a run has left."""
@@ -146,25 +106,22 @@ class PvdFiles:
     """
 
     def __init__(self, folder: Path, before: FieldsBefore, *, writes: bool):
-        """Take the folder of the run; `writes` is False on all ranks but one."""
-        self._folder, self._before, self._writes = folder, before, writes
+        """Take the folder of the run; `writes` on the first rank only."""
+        self.pieces, self.writes = folder / PIECES, writes
+        self._before, self._bodies = before, 0
         self._file, self._end = folder / "fields.pvd", 0
-        self._series: list[PieceSeries] = []
 
     def body(self, name: str, part: Part) -> PieceSeries:
-        """A writer for the next body."""
+        """A writer for the next body; collective among the ranks that share it."""
         again = f"-{self._before.part}" if self._before.part > 1 else ""
-        stem = f"fields_{name}{again}"
-        writes = self._writes or part.comm.size > 1
-        pieces, number = self._folder / PIECES, len(self._series)
-        self._series.append(PieceSeries(self, pieces, stem, part, number, name, writes))
-        return self._series[-1]
+        number, self._bodies = self._bodies, self._bodies + 1
+        return PieceSeries(self, part, number, name, f"fields_{name}{again}")
 
     def begin(self) -> None:
         """Write an empty index, or what is kept of the old one."""
-        if not self._writes:
+        if not self.writes:
             return
-        (self._folder / PIECES).mkdir(exist_ok=True)
+        self.pieces.mkdir(exist_ok=True)
         until, kept = self._before.until, b""
         if until is not None and self._file.is_file():
             found = ENTRY.finditer(self._file.read_bytes())
@@ -172,97 +129,40 @@ class PvdFiles:
         self._file.write_bytes(INDEX_HEAD + kept + INDEX_TAIL)
         self._end = len(INDEX_HEAD) + len(kept)
 
-    def add(self, time: float, piece: str, part: int = 0, name: str = "") -> None:
-        """List a piece by its name.
-
-        `part` is the number of the body, `name` that which ParaView shows. The time (s) is the same
-        number for all parts.
-        """
-        if not self._writes:
-            return
-        entry = entry_of(time, f"{PIECES}/{piece}", part, name)
+    def add(self, time: float, number: int, name: str, piece: str) -> None:
+        """List a piece of a body by its time, s, which is the same number for all bodies."""
+        where = f'timestep="{time:.17g}" part="{number}" name="{name}"'
+        entry = f'    <DataSet {where} file="{PIECES}/{piece}" />\n'.encode()
         with self._file.open("r+b") as stream:
             stream.seek(self._end)
             stream.write(entry + INDEX_TAIL)
         self._end += len(entry)
 
-    def end_time(self, time: float) -> None:
-        """Do nothing: the index lists each piece as it is written."""
-
-    def close(self) -> None:
-        """List the pieces of each body alone; the index of all is complete after every piece."""
-        for series in self._series:
-            series.close()
-
 
 class PieceSeries:
     """Writes the pieces of one body and lists them; every rank that shares it calls every method.
 
-    On several ranks each has a piece of its own, and a `.pvtu` opens all of them.
+    The first rank writes what it gathers from all.
     """
 
-    def __init__(
-        self, index: PvdFiles, folder: Path, stem: str, part: Part, number: int, name: str,
-        writes: bool,
-    ):  # fmt: skip
+    def __init__(self, index: PvdFiles, part: Part, number: int, name: str, stem: str):
         """Prepare what does not change; the stem and a number are the names of the pieces."""
-        self._index, self._folder, self._stem, self._writes = index, folder, stem, writes
-        self._part, self._number, self._name = part, number, name
-        self._count = 0
-        self._alone: list[bytes] = []
-        """Entries of the body's own index."""
-        self._piece = PieceWriter(part)
+        self._index, self._part, self._number, self._name = index, part, number, name
+        self._stem, self._count = stem, 0
+        mesh = part.gathered(part.points), part.gathered(part.nodes)
+        self._piece = PieceWriter(*mesh, part.kind) if index.writes else None
 
-    def write(self, time: float, nodal: dict[str, Values], means: Mapping[str, Values]) -> None:
-        """Write the fields at a time (s).
+    def write(self, time: float, nodal: Mapping[str, Values], means: Mapping[str, Values]) -> None:
+        """Write fields at the nodes and in the cells of the part, by their names, at a time, s.
 
         An OSError is raised where it happens, after all that ranks do together.
         """
-        if not self._writes:
+        nodal, means = (
+            {name: self._part.gathered(own) for name, own in fields.items()}
+            for fields in (nodal, means)
+        )
+        if self._piece is None:
             return
-        number, self._count = self._count, self._count + 1  # whatever follows
-        trouble, piece = None, ""
-        try:
-            piece = self._write_piece(number, nodal, means)
-        except OSError as error:
-            trouble = error
-        # Ranks may be killed at any time: what is listed has been written by all of them.
-        complete = not any_rank(self._part.comm, trouble is not None)
-        if trouble is not None:
-            raise trouble
-        if complete:
-            self._index.add(time, piece, self._number, self._name)
-            self._alone.append(entry_of(time, piece))
-
-    def _write_piece(
-        self, number: int, nodal: Mapping[str, Values], means: Mapping[str, Values]
-    ) -> str:
-        """Write the piece of this rank, and on the first of several what opens all pieces.
-
-        Returns the name of what is to be opened.
-        """
-        part, comm = self._part, self._part.comm
-        if comm.size == 1:
-            piece = f"{self._stem}{number:06d}.vtu"
-            self._piece.write(self._folder / piece, nodal, means)
-            return piece
-        nodal = {**nodal, COPIES: _copies(len(part.points), part.own_points)}
-        means = {**means, COPIES: _copies(len(part.nodes), part.own_cells)}
-        whole = f"{self._stem}{number:06d}.pvtu"
-        parts = [f"{self._stem}_p{rank}_{number:06d}.vtu" for rank in range(comm.size)]
-        self._piece.write(self._folder / parts[comm.rank], nodal, means)
-        if comm.rank == 0:
-            write_parts(self._folder / whole, parts, nodal, means)
-        return whole
-
-    def close(self) -> None:
-        """List the pieces of the body alone, if there is room for it."""
-        if self._writes and self._part.comm.rank == 0:
-            with suppress(OSError):
-                content = INDEX_HEAD + b"".join(self._alone) + INDEX_TAIL
-                (self._folder / f"{self._stem}.pvd").write_bytes(content)
-
-
-def _copies(count: int, own: int | None) -> Values:
-    """1 for each of the copies of others', which stand behind a rank's own, else 0."""
-    return (np.arange(count) >= (count if own is None else own)).astype(np.uint8)
+        piece, self._count = f"{self._stem}{self._count:06d}.vtu", self._count + 1
+        self._piece.write(self._index.pieces / piece, nodal, means)
+        self._index.add(time, self._number, self._name, piece)

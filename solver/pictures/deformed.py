@@ -1,7 +1,6 @@
 """The bodies as they stand at some instants of a run, with their stress.
 
-They are drawn from the files of the fields: in the plane by matplotlib, in space by the renderer of
-the films.
+They are those of the films: in the plane drawn by matplotlib, in space by the renderer of films.
 """
 
 from __future__ import annotations
@@ -9,7 +8,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,17 +19,8 @@ from matplotlib.ticker import FormatStrFormatter
 from solver.errors import EnvironmentTrouble
 from solver.fields.ground import floor_level
 from solver.fields.part import in_space
-from solver.pictures.contact import block_poses
 from solver.pictures.links import LOOKS, LinkFrames, legend_handles, links_of, states_in
-from solver.pictures.meshes import (
-    EDGE_NORMALS,
-    EDGES,
-    SHARP,
-    FieldFiles,
-    polygons,
-    rigid_shapes,
-    stress_of,
-)
+from solver.pictures.meshes import EDGE_NORMALS, EDGES, SHARP, bodies_of, polygons, stress_of
 from solver.pictures.renderer import Renderer, arrow_of_weight, bars, display, in_view
 from solver.pictures.style import (
     FLOOR,
@@ -47,6 +36,7 @@ from solver.results.moving import moving_span
 from solver.results.rocking import swings
 from solver.results.runs import Run
 from solver.run.streams import tell
+from solver.scene import Scene
 from solver.types import Array
 
 #: What is wider than this over its height stands in two rows.
@@ -120,8 +110,7 @@ def _after_release(run: Run, name: str, last: float, end: Instant) -> list[Insta
 class Snapshot:
     """The bodies at an instant."""
 
-    time_s: float
-    """The instant, s."""
+    instant: Instant
     surfaces: list[Any]
     """Surface of each body as `pyvista.PolyData`, m."""
     links: list[LinkFrames] = field(default_factory=list)
@@ -139,31 +128,16 @@ class Snapshot:
         return np.concatenate([stress_of(surface) for surface in self.surfaces])
 
 
-def read_snapshots(
-    fields: Path,
-    times: Sequence[float],
-    dimension: int = 2,
-    floor: float = -math.inf,
-    run: Run | None = None,
-) -> list[Snapshot]:
-    """The snapshots nearest to some times, each once; in space only what is above the floor.
-
-    Of a run, rigid shapes have their true edges instead of those of triangles.
-    """
-    files = FieldFiles(fields)
-    shapes = rigid_shapes(run.scene) if run is not None else {}
-    found = []
-    for index in files.nearest(times):
-        surfaces = files.read(index)
-        for number, name in enumerate(files.names):
-            if run is not None and name in shapes:
-                (block,) = (each for each in run.scene.blocks if each.name == name)
-                centres, frames = block_poses(run, block, files.times[[index]])
-                surfaces[number] = shapes[name].at(centres[0], frames[0])
-        if dimension == 3:
+def snapshots_of(run: Run, chosen: Sequence[Instant]) -> list[Snapshot]:
+    """A run at some instants; in space only what is above the floor."""
+    times, floor = np.array([instant.time_s for instant in chosen]), floor_level(run.scene)
+    bodies, found = bodies_of(run, times), []
+    for frame, instant in enumerate(chosen):
+        surfaces = bodies.at(frame)
+        if run.scene.dimension == 3:
             surfaces = [_above(surface, floor) for surface in surfaces]
-        links = [] if run is None else links_of(run, files.times[[index]])
-        found.append(Snapshot(time_s=float(files.times[index]), surfaces=surfaces, links=links))
+        links = links_of(run, times[[frame]])
+        found.append(Snapshot(instant=instant, surfaces=surfaces, links=links))
     return found
 
 
@@ -184,50 +158,32 @@ def _above(surface: Any, floor: float) -> Any:
     return above
 
 
-def deformed_figure(run: Run, fields: Path, chosen: Sequence[Instant] = ()) -> Figure:
+def deformed_figure(run: Run, chosen: Sequence[Instant] = ()) -> Figure:
     """The bodies of a run at the instants chosen, or worth a look; the panels fill the page."""
-    chosen, dimension = chosen or instants(run), run.scene.dimension
-    floor = floor_level(run.scene)
-    snapshots = read_snapshots(fields, [i.time_s for i in chosen], dimension, floor, run)
-    low, high = _window(snapshots, floor, dimension)
+    snapshots, dimension = snapshots_of(run, chosen or instants(run)), run.scene.dimension
+    low, high = _window(snapshots, floor_level(run.scene), dimension)
     wide, high_by = high - low
     columns = _columns(float(wide / high_by), len(snapshots))
     rows = math.ceil(len(snapshots) / columns)
     panel = (WIDTH - LABEL - (BAR if _limit(snapshots) > 0 else 0.0)) / columns
     height = rows * (panel * float(high_by / wide) + TITLE) + LABEL
     figure = new_figure(min(max(height, 1.8), 8.0))
-    unit = arrow_of_weight(run.scene)
-    draw_snapshots(figure, snapshots, chosen, dimension=dimension, floor=floor, unit=unit)
+    draw_snapshots(figure, snapshots, run.scene)
     return figure
 
 
-def draw_deformed(
-    figure: Any, fields: Path, chosen: Sequence[Instant], *, dimension: int = 2, floor: float = 0.0
-) -> None:
-    """Draw the bodies at some instants, true to scale, coloured by von Mises stress.
-
-    Of the .pvd or .vtkhdf file the snapshots nearest to the instants are drawn, above the floor,
-    whose height is given in m.
-    """
-    times = [instant.time_s for instant in chosen]
-    snapshots = read_snapshots(fields, times, dimension, floor)
-    draw_snapshots(figure, snapshots, chosen, dimension=dimension, floor=floor)
+def draw_deformed(figure: Any, run: Run, chosen: Sequence[Instant]) -> None:
+    """Draw the bodies at some instants, true to scale, coloured by von Mises stress."""
+    draw_snapshots(figure, snapshots_of(run, chosen), run.scene)
 
 
-def draw_snapshots(
-    figure: Any,
-    snapshots: Sequence[Snapshot],
-    chosen: Sequence[Instant],
-    *,
-    dimension: int,
-    floor: float,
-    unit: float = 1.0,
-) -> None:
+def draw_snapshots(figure: Any, snapshots: Sequence[Snapshot], scene: Scene) -> None:
     """Draw snapshots side by side, or in two rows where they are wide.
 
     Where VTK cannot draw those in space, the figure says so, and so does the program. Links are as
-    thick as they are in a film, where `unit`, m, is the length of an arrow of the weight.
+    thick as they are in a film.
     """
+    dimension, floor, unit = scene.dimension, floor_level(scene), arrow_of_weight(scene)
     low, high = _window(snapshots, floor, dimension)
     columns = _columns(float(np.divide(*(high - low))), len(snapshots))
     rows = math.ceil(len(snapshots) / columns)
@@ -250,7 +206,7 @@ def draw_snapshots(
             _draw_bodies(axes, snapshot, factor, limit)
             _draw_links(axes, snapshot, unit)
         axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
-        axes.set_title(_title(snapshot, chosen))
+        axes.set_title(_title(snapshot.instant))
         axes.locator_params(axis="x", nbins=3)
         axes.xaxis.set_major_formatter(FormatStrFormatter("%g"))  # no 0.00 beside -0.25
         axes.grid(False)
@@ -312,11 +268,10 @@ def _limit(snapshots: Sequence[Snapshot]) -> float:
     return float(np.quantile(np.concatenate([s.von_mises for s in snapshots]), 0.995))
 
 
-def _title(snapshot: Snapshot, chosen: Sequence[Instant]) -> str:
-    """Title of a snapshot: the nearest instant by name, and the time."""
-    nearest = min(chosen, key=lambda instant: abs(instant.time_s - snapshot.time_s))
-    time = f"t = {snapshot.time_s:.3g} s"
-    return f"{nearest.name}\n{time}" if nearest.name else time
+def _title(instant: Instant) -> str:
+    """Title of a snapshot: its name, and the time."""
+    time = f"t = {instant.time_s:.3g} s"
+    return f"{instant.name}\n{time}" if instant.name else time
 
 
 def _draw_bodies(axes: Any, snapshot: Snapshot, factor: float, limit: float) -> None:

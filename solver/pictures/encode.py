@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import shutil
 import subprocess
-from abc import ABC, abstractmethod
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,72 +20,58 @@ SAMPLED = 6
 """Frames that the colours of a GIF are chosen from."""
 
 
-class Encoder(ABC):
-    """Writes the frames of a film."""
+class Encoder(NamedTuple):
+    """What writes the frames of a film."""
 
     frames_per_second: int
     """Frames that are shown in a second."""
-
-    @abstractmethod
-    def write(self, frames: Iterable[Pixels], file: Path) -> None:
-        """Write a film of these frames, all of one size."""
+    write: Callable[[Iterable[Pixels], Path], None]
+    """Writes a film of frames, one or more, all of one size."""
 
 
-class Mp4(Encoder):
-    """H.264 in MP4, which every browser plays."""
-
-    frames_per_second = 25
-
-    def write(self, frames: Iterable[Pixels], file: Path) -> None:
-        """Pass the frames to ffmpeg as they come."""
-        process: subprocess.Popen[bytes] | None = None
-        for frame in frames:
-            # Its colours are halved in both directions, so that sizes have to be even.
-            even = frame[: frame.shape[0] // 2 * 2, : frame.shape[1] // 2 * 2]
-            if process is None:
-                process = self._start(even.shape[1], even.shape[0], file)
-            assert process.stdin is not None
-            try:
-                process.stdin.write(np.ascontiguousarray(even).tobytes())
-            except BrokenPipeError:
-                break  # it has ended, and its message says why
+def write_mp4(frames: Iterable[Pixels], file: Path) -> None:
+    """H.264 in MP4, which every browser plays: pass the frames to ffmpeg as they come."""
+    process: subprocess.Popen[bytes] | None = None
+    for frame in frames:
+        # Its colours are halved in both directions, so that sizes have to be even.
+        even = frame[: frame.shape[0] // 2 * 2, : frame.shape[1] // 2 * 2]
         if process is None:
-            raise ValueError("no frames")
-        _, said = process.communicate()
-        if process.returncode:
-            why = said.decode(errors="replace").strip().splitlines()[-1:]
-            raise EnvironmentTrouble(f"ffmpeg: {' '.join(why) or 'failed'}")
+            process = _start_ffmpeg(even.shape[1], even.shape[0], file)
+        assert process.stdin is not None
+        try:
+            process.stdin.write(np.ascontiguousarray(even).tobytes())
+        except BrokenPipeError:
+            break  # it has ended, and its message says why
+    assert process is not None
+    _, said = process.communicate()
+    if process.returncode:
+        why = said.decode(errors="replace").strip().splitlines()[-1:]
+        raise EnvironmentTrouble(f"ffmpeg: {' '.join(why) or 'failed'}")
 
-    def _start(self, width: int, height: int, file: Path) -> subprocess.Popen[bytes]:
-        """Start ffmpeg, which takes raw frames from its standard input."""
-        words = ["ffmpeg", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24"]
-        words += ["-s", f"{width}x{height}", "-r", str(self.frames_per_second), "-i", "-"]
-        words += ["-pix_fmt", "yuv420p", "-movflags", "+faststart", str(file)]
-        return subprocess.Popen(words, stdin=subprocess.PIPE, stderr=subprocess.PIPE)
+
+def _start_ffmpeg(width: int, height: int, file: Path) -> subprocess.Popen[bytes]:
+    """Start ffmpeg, which takes raw frames from its standard input."""
+    words = ["ffmpeg", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24"]
+    words += ["-s", f"{width}x{height}", "-r", str(ENCODERS[".mp4"].frames_per_second), "-i", "-"]
+    words += ["-pix_fmt", "yuv420p", "-movflags", "+faststart", str(file)]
+    return subprocess.Popen(words, stdin=subprocess.PIPE, stderr=subprocess.PIPE)
 
 
-class Gif(Encoder):
-    """GIF, which needs no program and plays anywhere, over and over."""
+def write_gif(frames: Iterable[Pixels], file: Path) -> None:
+    """GIF, which needs no program and plays anywhere, over and over: of what changes in frames."""
+    from PIL import Image
 
-    frames_per_second = 20
-
-    def write(self, frames: Iterable[Pixels], file: Path) -> None:
-        """Collect the frames, choose the colours, write what changes from frame to frame."""
-        from PIL import Image
-
-        pictures = [Image.fromarray(frame) for frame in frames]
-        if not pictures:
-            raise ValueError("no frames")
-        chosen = pictures[:: max(1, len(pictures) // SAMPLED)]
-        palette = _sample(chosen).quantize(COLOURS, kmeans=2, dither=Image.Dither.NONE)
-        indexed = [p.quantize(palette=palette, dither=Image.Dither.NONE) for p in pictures]
-        indexed[0].save(
-            file,
-            save_all=True,
-            append_images=indexed[1:],
-            duration=1000 // self.frames_per_second,
-            loop=0,
-        )
+    pictures = [Image.fromarray(frame) for frame in frames]
+    chosen = pictures[:: max(1, len(pictures) // SAMPLED)]
+    palette = _sample(chosen).quantize(COLOURS, kmeans=2, dither=Image.Dither.NONE)
+    indexed = [p.quantize(palette=palette, dither=Image.Dither.NONE) for p in pictures]
+    indexed[0].save(
+        file,
+        save_all=True,
+        append_images=indexed[1:],
+        duration=1000 // ENCODERS[".gif"].frames_per_second,
+        loop=0,
+    )
 
 
 def _sample(pictures: Sequence[Any]) -> Any:
@@ -104,7 +89,8 @@ def _sample(pictures: Sequence[Any]) -> Any:
     return Image.fromarray(rows.astype(np.uint8)[None])
 
 
-ENCODERS: dict[str, type[Encoder]] = {".mp4": Mp4, ".gif": Gif}
+ENCODERS = {".mp4": Encoder(25, write_mp4), ".gif": Encoder(20, write_gif)}
+"""By the endings of files."""
 
 
 def default_ending() -> str:
@@ -119,4 +105,4 @@ def encoder_for(file: Path) -> Encoder:
         raise SceneError("-o", file.name, "a name that ends with .mp4 or .gif")
     if ending == ".mp4" and not shutil.which("ffmpeg"):
         raise EnvironmentTrouble("ffmpeg, which writes .mp4, is not installed; .gif needs nothing")
-    return ENCODERS[ending]()
+    return ENCODERS[ending]

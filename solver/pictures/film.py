@@ -17,7 +17,6 @@ from solver.pictures.contact import (
     BlockFrames,
     State,
     block_frames,
-    drift_at,
     interpolated,
     pair_frames,
 )
@@ -219,7 +218,7 @@ class Shot:
         self._pairs = pair_frames(run, times)
         self.links = links_of(run, times)
         blocks = list(self._blocks.values())
-        self.bodies: Bodies = bodies_of(run, blocks, drift_at(run, times), times)
+        self.bodies: Bodies = bodies_of(run, times)
         self._ground = ground_path(run, times) if fixed else np.zeros((len(times), scene.dimension))
         self.low, self.high = _extent(blocks, self.bodies, self.links, self._ground)
         """Least and greatest place of the bodies in all frames, m, (d,)."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, TypeAlias
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -13,7 +13,8 @@ import numpy as np
 from geometry.block import FACES
 from geometry.skin import skin_of
 from solver.fields.ground import platform_corners
-from solver.pictures.contact import BlockFrames, block_poses
+from solver.fields.part import in_space
+from solver.pictures.contact import block_poses, drift_at
 from solver.pictures.style import largest
 from solver.results.runs import Run
 from solver.scene import BlockSpec, Scene
@@ -33,8 +34,8 @@ SHARP = "sharp"
 BENDS, BENDS_OF_SURFACE = 28.0, 45.0
 
 
-class PvdGrids:
-    """Grids of the bodies in the files that `fields.pvd` lists, undeformed and upright."""
+class FieldFiles:
+    """The bodies in the files that `fields.pvd` lists, by their times."""
 
     def __init__(self, file: Path):
         """Read the index; a time that a killed run left without some of the bodies is none."""
@@ -46,73 +47,20 @@ class PvdGrids:
         whole = [float(t or 0) for t in set(listed) if listed.count(t) == listed.count(listed[0])]
         self.times: Array = np.array(sorted(whole))
         """s."""
-        self.names = [e.get("name", "") for e in entries if e.get("timestep") == listed[0]]
-        """Names of the bodies, in their order; empty where the file has none."""
+        names = [e.get("name", "") for e in entries if e.get("timestep") == listed[0]]
+        self._numbers = [k for k, name in enumerate(names) if name != LINKS]
+        self.names = [names[k] for k in self._numbers]
+        """Names of the bodies, in their order; empty where the file has none. Links are drawn by
+        the history."""
 
     def read(self, index: int) -> list[Any]:
-        """The bodies at one of the times."""
-        self._reader.set_active_time_value(self.times[index])
-        return list(self._reader.read())
-
-
-class HdfGrids:
-    """Grids of the bodies in `fields.vtkhdf`, read by h5py.
-
-    The VTK of Debian 13 does not read several bodies with time.
-    """
-
-    def __init__(self, file: Path):
-        """Read the times and the names."""
-        import h5py
-
-        self._file = h5py.File(file, "r", locking=False)
-        self._bodies = dict(self._file["VTKHDF/Assembly"])
-        self.names = list(self._bodies)
-        """Names of the bodies, in their order."""
-        steps = [body["Steps"] for body in self._bodies.values()]
-        count = min(int(each.attrs["NSteps"]) for each in steps)
-        self.times: Array = np.asarray(steps[0]["Values"][:count])
-        """s."""
-
-    def read(self, index: int) -> list[Any]:
-        """The bodies at one of the times."""
-        return [_grid(body, index) for body in self._bodies.values()]
-
-
-def _grid(body: Any, index: int) -> Any:
-    """A body of the one file at one of its times."""
-    import pyvista
-
-    ends = np.asarray(body["Offsets"])
-    counts = np.diff(ends)
-    cells = np.insert(np.asarray(body["Connectivity"]), ends[:-1], counts)
-    grid = pyvista.UnstructuredGrid(cells, np.asarray(body["Types"]), np.asarray(body["Points"]))
-    for kind, data in (("PointData", grid.point_data), ("CellData", grid.cell_data)):
-        for name, values in body[kind].items():
-            start = int(body[f"Steps/{kind}Offsets/{name}"][index])
-            size = grid.n_points if kind == "PointData" else grid.n_cells
-            data[name] = np.asarray(values[start : start + size])
-    return grid
-
-
-class FieldFiles:
-    """The bodies in a .pvd or .vtkhdf file, by its times."""
-
-    def __init__(self, file: Path):
-        """Read times and names."""
-        self._grids = HdfGrids(file) if file.suffix == ".vtkhdf" else PvdGrids(file)
-        self.times = self._grids.times
-        self._numbers = [k for k, name in enumerate(self._grids.names) if name != LINKS]
-        self.names = [self._grids.names[k] for k in self._numbers]
-        """Names of the bodies; links are drawn by the history."""
-
-    def read(self, index: int) -> list[Any]:
-        """Surface of each body as `pyvista.PolyData`, in the order of the file.
+        """Surface of each body at one of the times, as `pyvista.PolyData`, in their order.
 
         Points are where the bodies stand, m; faces of meshed bodies have the von Mises stress of
         their cells (`von_mises`, Pa).
         """
-        grids = self._grids.read(index)
+        self._reader.set_active_time_value(self.times[index])
+        grids = self._reader.read()
         return [_surface(grids[k]) for k in self._numbers]
 
     def nearest(self, times: Sequence[float]) -> list[int]:
@@ -132,7 +80,6 @@ def _surface(grid: Any) -> Any:
     skin.Update()
     surface = pyvista.wrap(skin.GetOutput())
     surface.points = np.asarray(surface.points) + np.asarray(surface.point_data["displacement"])
-    surface.RemoveGhostCells()  # of another rank, whose part of the body has them, too
     return surface
 
 
@@ -150,18 +97,6 @@ def polygons(surface: Any) -> list[Array]:
     offsets = pyvista.convert_array(polys.GetOffsetsArray())
     corners = pyvista.convert_array(polys.GetConnectivityArray())
     return np.split(np.asarray(surface.points)[corners], offsets[1:-1])
-
-
-class Bodies(Protocol):
-    """The surfaces of all bodies, frame by frame."""
-
-    names: list[str]
-    """Their names."""
-    stress_limit: float
-    """Stress that has the last colour, Pa; 0 where no body has any."""
-
-    def at(self, frame: int) -> list[Any]:
-        """Surface of each body as `pyvista.PolyData`, m, in the order of `names`."""
 
 
 class RigidShape:
@@ -188,48 +123,43 @@ class RigidShape:
 
         d = self._corners.shape[1]
         surface = pyvista.PolyData(
-            _padded(centre[:d] + self._corners @ frame[:d, :d].T), faces=self._faces
+            in_space(centre[:d] + self._corners @ frame[:d, :d].T), faces=self._faces
         )
         edges = (centre[:d] + self._edges @ frame[:d, :d].T).reshape(-1, d)
-        surface.field_data[EDGES] = _padded(edges)
+        surface.field_data[EDGES] = in_space(edges)
         normals = (self._normals @ frame[:d, :d].T).reshape(-1, d)
-        surface.field_data[EDGE_NORMALS] = _padded(normals)
+        surface.field_data[EDGE_NORMALS] = in_space(normals)
         surface.field_data[SHARP] = [self._sharp]
         return surface
 
 
-def _padded(vectors: Array) -> Array:
-    """Vectors (n, d) in space, (n, 3)."""
-    return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
-
-
 def rigid_shapes(scene: Scene) -> dict[str, RigidShape]:
-    """The blocks of a scene whose files have no more of their shapes than triangles, by name."""
-    return {
-        block.name: RigidShape(block, scene.dimension)
-        for block in scene.blocks
-        if block.model == "rigid" and block.shape.solid is not None
-    }
+    """The rigid blocks of a scene as they are drawn, by name."""
+    blocks = (block for block in scene.blocks if block.model == "rigid")
+    return {block.name: RigidShape(block, scene.dimension) for block in blocks}
 
 
 class RigidBodies:
     """Rigid blocks and the platform, from the history: exact at any time."""
 
     stress_limit = 0.0
+    """No body has any stress."""
 
-    def __init__(self, run: Run, blocks: list[BlockFrames], drift: Array):
-        """Take the motion of the blocks and the drift of the platform, m, (n, d)."""
-        self._blocks, self._drift = blocks, drift
-        self._shapes = [RigidShape(block, run.scene.dimension) for block in run.scene.blocks]
+    def __init__(self, run: Run, times: Array):
+        """Take the motion of the blocks and of the platform in a run at some times, s."""
+        blocks, d = run.scene.blocks, run.scene.dimension
+        self._shapes = [RigidShape(block, d) for block in blocks]
+        self._poses = [block_poses(run, block, times) for block in blocks]
         self._platform = platform_corners(run.scene) if run.scene.has_platform else None
-        self.names = [block.name for block in run.scene.blocks]
+        self._drift = drift_at(run, times)
+        self.names = [block.name for block in blocks]
         self.names += ["platform"] if self._platform is not None else []
 
     def at(self, frame: int) -> list[Any]:
         """All as they stand."""
         surfaces = [
-            shape.at(block.centres[frame], block.frames[frame])
-            for shape, block in zip(self._shapes, self._blocks, strict=True)
+            shape.at(centres[frame], frames[frame])
+            for shape, (centres, frames) in zip(self._shapes, self._poses, strict=True)
         ]
         if self._platform is not None:
             surfaces.append(_box(self._platform + self._drift[frame]))
@@ -242,7 +172,7 @@ def _box(corners: Array) -> Any:
 
     faces = FACES if corners.shape[1] == 3 else ((0, 1, 2, 3),)
     return pyvista.PolyData(
-        _padded(corners), faces=np.concatenate([[len(face), *face] for face in faces])
+        in_space(corners), faces=np.concatenate([[len(face), *face] for face in faces])
     )
 
 
@@ -260,11 +190,15 @@ class DeformedBodies:
         blocks = {block.name: block for block in run.scene.blocks}
         both = np.concatenate([self._files.times, times])
         self._poses = [_poses(run, blocks.get(name), both) for name in self.names]
+
+    @property
+    def stress_limit(self) -> float:
+        """Stress that has the last colour, Pa, by some of the snapshots."""
         last = len(self._files.times) - 1
         sampled = {int(k) for k in np.linspace(0, last, min(SAMPLED, last + 1))}
         found = [stress_of(s) for index in sorted(sampled) for s in self._files.read(index)]
         everything = np.concatenate(found)
-        self.stress_limit = float(np.quantile(everything, 0.98)) if largest(everything) else 0.0
+        return float(np.quantile(everything, 0.98)) if largest(everything) else 0.0
 
     def at(self, frame: int) -> list[Any]:
         """Surfaces with their stress at the time of a frame."""
@@ -314,8 +248,12 @@ def _poses(run: Run, block: BlockSpec | None, times: Array) -> tuple[Array, Arra
     return centres, turned
 
 
-def bodies_of(run: Run, blocks: list[BlockFrames], drift: Array, times: Array) -> Bodies:
-    """The bodies of a run; what is meshed and has left no fields is drawn as rigid."""
+Bodies: TypeAlias = RigidBodies | DeformedBodies
+"""The surfaces of all bodies, frame by frame."""
+
+
+def bodies_of(run: Run, times: Array) -> Bodies:
+    """The bodies of a run at some times, s; what is meshed without fields is drawn as rigid."""
     if run.model == "finite elements" and run.fields is not None:
         return DeformedBodies(run, run.fields, times)
-    return RigidBodies(run, blocks, drift)
+    return RigidBodies(run, times)

@@ -51,9 +51,8 @@ def picture_run(
     motions = sampled_motions(run)
     if motions:
         figures["motion"] = lambda: draw_motion(motions)
-    fields = run.fields
-    if fields is not None:
-        figures["deformed"] = lambda: deformed_figure(run, fields)
+    if run.fields is not None:
+        figures["deformed"] = lambda: deformed_figure(run)
     files = []
     for name, draw in figures.items():
         files += save_as(draw, folder / name, formats)

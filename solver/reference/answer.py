@@ -280,7 +280,7 @@ def rock(
 
 def _sampled(motion: BaseMotion | None, time: Array) -> Array:
     """Accelerations of the ground along one direction at many times, m/s^2."""
-    return motion.accelerations(time) if motion else np.zeros_like(time)
+    return motion.acceleration(time) if motion else np.zeros_like(time)
 
 
 def _integral(time: Array, rate: Array) -> Array:

@@ -144,7 +144,7 @@ def _demand_towards(scene: Scene, ground: GroundMotion, side: int) -> float:
         times: Array = np.arange(INSTANTS, dtype=np.float64) * (
             min(motion.stop, scene.time.end) / INSTANTS
         )
-        most = float(np.max(-side * motion.accelerations(times)))
+        most = float(np.max(-side * motion.acceleration(times)))
     wanted = max(0.0, side * along + max(0.0, most))
     return wanted / left if left > 0 else math.inf
 

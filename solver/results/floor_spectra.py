@@ -58,7 +58,7 @@ def _ground_velocity(
     if column not in history:
         return np.zeros(len(times))
     if ground is not None:
-        return np.asarray(ground.velocities(times)[:, 1 if way else 0])
+        return np.asarray(ground.velocity(times)[:, 1 if way else 0])
     time = history["time_s"]
     return np.interp(times, time, running_integral(time, history[column]))
 

@@ -19,8 +19,8 @@ from solver.types import Array
 UNFINISHED = "unfinished"
 """Status of a run that left no summary."""
 
-#: Names of the files that a run's fields are opened by; it has one of them, or none.
-FIELDS = ("fields.pvd", "fields.vtkhdf")
+#: Name of the file that a run's fields are opened by.
+FIELDS = "fields.pvd"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,8 +35,8 @@ class Run:
     @property
     def fields(self) -> Path | None:
         """The file of the fields, if there are any."""
-        files = (self.folder / name for name in FIELDS)
-        return next((file for file in files if file.is_file()), None)
+        file = self.folder / FIELDS
+        return file if file.is_file() else None
 
     def pairs(self) -> dict[tuple[str, str], dict[str, Array]]:
         """The columns of pairs.csv by pairs of names; none where the run did not write it."""

@@ -33,9 +33,6 @@ class Fields(Protocol):
     def write(self, time: float) -> None:
         """Write the fields as they are at a time (s)."""
 
-    def close(self) -> None:
-        """Finish the files."""
-
 
 class RunFiles:
     """Scene, history, log, fields and summary; nothing at all without a folder.
@@ -107,8 +104,6 @@ class RunFiles:
                     else:  # the other ranks may not be here
                         self._write_rows()
         finally:
-            if self._fields is not None:
-                self._fields.close()
             if self._log is not None:
                 with suppress(OSError):
                     self._log.close()

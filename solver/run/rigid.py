@@ -128,7 +128,7 @@ class RigidRun(Resumable):
         """Steps of a length, s, whose ends have times, that of their start first."""
         ground = mean = None
         if self._motion.moves:
-            ground, mean = self._motion.accelerations(times), self._motion.means(times)
+            ground, mean = self._motion.acceleration(times), self._motion.means(times)
         smallest = min(self._span.smallest, step)
         outcome = self._system.advance(len(times) - 1, step, ground, smallest, mean)
         outcome.rows[:, TIME] = times[1 : 1 + len(outcome.rows)]

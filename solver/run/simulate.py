@@ -13,7 +13,6 @@ from typing import Any
 from solver.errors import missing_key
 from solver.excitation.motion import GroundMotion, read_ground
 from solver.excitation.sampled import SampledMotion
-from solver.fields.vtkhdf import refuse_without_h5py
 from solver.history.history import History, scene_columns
 from solver.info import versions
 from solver.parallel import Comm, Single, on_first_rank, world
@@ -165,8 +164,6 @@ def _refuse(scene: Scene, folder: Path | None, options: Sequence[str], *, resume
         raise missing_key("folder", "(that of the run that goes on)")
     if scene.output.twin:
         refuse_without_twin(scene)
-    if folder is not None:
-        refuse_without_h5py(scene)
     if options:
         from solver.stepping.nonlinear import check_options
 

@@ -33,9 +33,8 @@ class OutputSpec(Checked):
     every: Duration | None = None
     """Time between two snapshots of the fields, s. Default: 0.01, or a 300th of the run where that
     is longer."""
-    fields: Literal["vtk", "vtkhdf", "none"] = "vtk"
-    """For ParaView: a file for each body and time, which other programs read as well; all in the
-    one file `fields.vtkhdf` (ParaView 5.13 or newer); or none."""
+    fields: Literal["vtk", "none"] = "vtk"
+    """For ParaView: a file for each body and time, which other programs read as well; or none."""
     history_every: Count = 1
     """Steps between two rows of the history, which peaks, impacts and spectra are read from."""
     checkpoint: CheckpointSpec | None = None

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from in_paraview.runs import FORMATS, RANKS, SCENES, folder_of, make
+from in_paraview.runs import RANKS, SCENES, folder_of, make
 
 pytestmark = [
     pytest.mark.serial,
@@ -53,14 +53,14 @@ def screen() -> Iterator[dict[str, str]]:
     os.close(reads)
 
 
-def run_of(name: str, fields: str, ranks: int, folder: Path) -> Path:
+def run_of(name: str, ranks: int, folder: Path) -> Path:
     """The folder of a run: one that was made before, or it is made where that is possible."""
-    made = MADE / folder_of(name, fields, ranks)
+    made = MADE / folder_of(name, ranks)
     if (made / "summary.json").is_file():
         return made
     if find_spec("dolfinx") is None:
         pytest.skip(f"no run in {made}, and no dolfinx to make it: make paraview")
-    return make(folder, name, fields, ranks)
+    return make(folder, name, ranks)
 
 
 def pvpython(screen: dict[str, str], *words: object) -> None:
@@ -81,12 +81,9 @@ def rectangle(row: dict[str, str]) -> list[float]:
 
 
 @pytest.mark.parametrize("ranks", RANKS)
-@pytest.mark.parametrize("fields", FORMATS)
 @pytest.mark.parametrize("name", SCENES)
-def test_a_run_in_paraview(
-    name: str, fields: str, ranks: int, tmp_path: Path, screen: dict[str, str]
-) -> None:
-    folder = run_of(name, fields, ranks, tmp_path)
+def test_a_run_in_paraview(name: str, ranks: int, tmp_path: Path, screen: dict[str, str]) -> None:
+    folder = run_of(name, ranks, tmp_path)
     answer = folder.parent / f"{folder.name}.json"
     pvpython(screen, HERE / "look.py", folder, answer)
     said: dict[str, Any] = json.loads(answer.read_text())
@@ -95,7 +92,7 @@ def test_a_run_in_paraview(
         rows = {round(float(row["time_s"]), 6): row for row in csv.DictReader(stream)}
     for seen in said["seen"]:
         # What ParaView reads of fields.pvd is no block where it is one body, and has no name.
-        names = [""] if (name, fields) == ("elastic", "vtk") else BODIES[name]
+        names = [""] if name == "elastic" else BODIES[name]
         assert list(seen["bounds"]) == names
         low, high = seen["bounds"][names[0]]
         expected = rectangle(rows[round(seen["time"], 6)])
@@ -105,6 +102,6 @@ def test_a_run_in_paraview(
 
 
 def test_a_film(tmp_path: Path, screen: dict[str, str]) -> None:
-    folder = run_of("rigid", "vtkhdf", 1, tmp_path)
+    folder = run_of("rigid", 1, tmp_path)
     pvpython(screen, folder / "open_in_paraview.py", tmp_path / "film.avi")
     assert (tmp_path / "film.avi").stat().st_size > 100_000

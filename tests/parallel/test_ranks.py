@@ -176,7 +176,6 @@ def test_fields_of_two_ranks_are_those_of_one(folder: Path) -> None:
         reader = pyvista.get_reader(folder / name / "fields.pvd")
         reader.set_active_time_value(0.2)
         data = reader.read().combine()
-        # A node on the border of two ranks stands in the files of both.
         _, first = np.unique(np.round(data.points, 9), axis=0, return_index=True)
         ends.append((data.points[first], data["displacement"][first]))
     assert ends[0][0] == pytest.approx(ends[1][0], abs=1e-12)

@@ -83,10 +83,8 @@ def test_fields_of_several_parts_agree(folder: Path, part: str) -> None:
 
     ends = []
     for ranks in (1, 2, 3):
-        reader = pyvista.get_reader(folder / f"fields{ranks}" / "fields" / f"fields_{part}.pvd")
-        reader.set_active_time_value(0.06)
-        data = reader.read().combine()
-        # A node on the border of two ranks stands in the files of both.
+        pieces = sorted((folder / f"fields{ranks}" / "fields").glob(f"fields_{part}*.vtu"))
+        data = pyvista.read(pieces[-1])
         _, first = np.unique(np.round(data.points, 9), axis=0, return_index=True)
         ends.append(
             (data.points[first], data["displacement"][first], data["contact_pressure"][first])

@@ -188,19 +188,23 @@ def test_the_fall_does_not_dwarf_the_energies(tmp_path: Path) -> None:
 
 def test_bodies_stand_on_each_other(tmp_path: Path) -> None:
     """In the plane: the floor is below the platform, the upper block leans on the lower one."""
-    from solver.pictures.deformed import read_snapshots
+    from solver.pictures.deformed import Instant, snapshots_of
 
-    (plane,) = read_snapshots(stack(tmp_path / "stack") / "fields.pvd", [0.0])
+    (plane,) = snapshots_of(read_run(stack(tmp_path / "stack")), [Instant(0.0)])
     lower, upper, platform = plane.surfaces
     assert platform.bounds[2] == floor_level(parse_scene(STACK)) < 0
     assert lower.bounds[2] == pytest.approx(0.0, abs=1e-12)
     lean = 1.5 + 0.015 - 0.5 * np.cos(0.1) - 0.15 * np.sin(0.1)
     assert upper.bounds[2] == pytest.approx(lean)
     # in space what has sunk below the floor is cut off
-    file = in_space(tmp_path / "space") / "fields.pvd"
-    (whole,) = read_snapshots(file, [0.0], dimension=3)
+    run = read_run(in_space(tmp_path / "space"))
+    found = []
+    for level in (-1.0, 0.5):
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr("solver.pictures.deformed.floor_level", lambda scene, level=level: level)
+            found += snapshots_of(run, [Instant(0.0)])
+    whole, cut = found
     assert whole.surfaces[0].area == pytest.approx(2 * 0.4 * 0.3 + 1.4)
-    (cut,) = read_snapshots(file, [0.0], dimension=3, floor=0.5)
     assert cut.surfaces[0].bounds[4] == pytest.approx(0.5)
 
 
@@ -229,31 +233,6 @@ def test_what_is_nearer_hides_what_is_behind() -> None:
         x, y = in_view(np.array([place]))[0]
         pixel = drawn[round(300 * (2.0 - y) / 3.0), round(300 * (x + 1.5) / 3.0)].astype(int)
         assert pixel.argmax() == channel and np.ptp(pixel) > 100, (place, pixel)
-
-
-def test_copies_of_cells_are_left_out_of_surfaces(tmp_path: Path) -> None:
-    """Of two cubes, one the copy of another rank's, the outer faces of the other are read."""
-    import pyvista
-
-    from solver.pictures.meshes import FieldFiles
-
-    x, y, z = np.meshgrid([0.0, 1.0, 2.0], [0.0, 1.0], [0.0, 1.0], indexing="ij")
-    places = np.column_stack([x.ravel(), y.ravel(), z.ravel()])
-    cubes = [[8, *(4 * k + np.array([0, 4, 6, 2, 1, 5, 7, 3]))] for k in (0, 1)]
-    grid = pyvista.UnstructuredGrid(np.concatenate(cubes), [12, 12], places)
-    grid.point_data["displacement"] = np.tile([0.5, 0.0, 0.0], (12, 1))
-    grid.cell_data["von_mises"] = [3.0, 7.0]
-    grid.cell_data["vtkGhostType"] = np.array([1, 0], dtype=np.uint8)
-    grid.save(tmp_path / "body.vtu")
-    (tmp_path / "fields.pvd").write_text(
-        '<VTKFile type="Collection"><Collection>'
-        '<DataSet timestep="0" part="0" name="block" file="body.vtu"/></Collection></VTKFile>'
-    )
-    (surface,) = FieldFiles(tmp_path / "fields.pvd").read(0)
-    assert surface.n_cells == 5
-    assert surface.area == pytest.approx(5.0)
-    assert list(surface.cell_data["von_mises"]) == [7.0] * 5
-    assert surface.bounds[:2] == pytest.approx((1.5, 2.5))
 
 
 @pytest.mark.slow
@@ -366,9 +345,8 @@ def test_stresses_have_their_unit(stress: float, shown: float, unit: str) -> Non
     square = pyvista.Plane(i_resolution=1, j_resolution=2)
     square.cell_data["von_mises"] = np.full(2, stress)
     figure = new_figure(3.0)
-    draw_snapshots(
-        figure, [Snapshot(time_s=0.0, surfaces=[square])], [Instant(0.0)], dimension=2, floor=0.0
-    )
+    scene = parse_scene(f"{BLOCK}width = 0.4\n{TIME}")
+    draw_snapshots(figure, [Snapshot(instant=Instant(0.0), surfaces=[square])], scene)
     bodies, bar = figure.axes
     (cells,) = bodies.collections
     np.testing.assert_allclose(cells.get_array(), shown)

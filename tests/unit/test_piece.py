@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from solver.fields.part import Part, in_space, one_cell, rigid_fields
-from solver.fields.vtu import COPIES, FieldsBefore, PieceWriter, PvdFiles, write_parts
+from solver.fields.vtu import FieldsBefore, PieceWriter, PvdFiles
 
 pyvista = pytest.importorskip("pyvista")
 
@@ -28,7 +28,7 @@ def test_numbers_come_back_to_the_last_bit(tmp_path: Path) -> None:
     numbers[0] = 5e-324, -0.0, np.finfo(float).max
     stress = np.random.default_rng(2).normal(size=(2, 9))
     file = tmp_path / "piece.vtu"
-    PieceWriter(SQUARES).write(
+    PieceWriter(SQUARES.points, SQUARES.nodes, SQUARES.kind).write(
         file, {"displacement": numbers, "pressure": numbers[:, 0]}, {"stress": stress}
     )
     assert ET.parse(file).getroot().attrib["type"] == "UnstructuredGrid"
@@ -38,24 +38,6 @@ def test_numbers_come_back_to_the_last_bit(tmp_path: Path) -> None:
     assert grid.point_data["displacement"].tobytes() == numbers.tobytes()
     assert grid.point_data["pressure"].tobytes() == numbers[:, 0].tobytes()
     assert grid.cell_data["stress"].tobytes() == stress.tobytes()
-
-
-def test_parts_are_opened_together(tmp_path: Path) -> None:
-    """Copies are distinct from what they are copies of; a rank may have no cell at all."""
-    nothing = Part(points=np.empty((0, 3)), nodes=np.empty((0, 4), dtype=np.int64), kind=0)
-    parts = ["piece_p0.vtu", "piece_p1.vtu"]
-    for part, cells in zip(parts, (SQUARES, nothing), strict=True):
-        nodal = {
-            "pressure": cells.points[:, 0].copy(),
-            COPIES: np.zeros(len(cells.points), np.uint8),
-        }
-        means = {COPIES: np.ones(len(cells.nodes), dtype=np.uint8)}
-        PieceWriter(cells).write(tmp_path / part, nodal, means)
-    write_parts(tmp_path / "piece.pvtu", parts, nodal, means)
-    grid = pyvista.read(tmp_path / "piece.pvtu")
-    assert grid.n_cells == 2
-    np.testing.assert_array_equal(grid.point_data["pressure"], SQUARES.points[:, 0])
-    np.testing.assert_array_equal(grid.cell_data[COPIES], [1, 1])
 
 
 def test_an_index_is_complete_after_every_piece(tmp_path: Path) -> None:

@@ -51,7 +51,7 @@ def test_largest_and_last_velocity(spec: Any) -> None:
     """Against 2000 samples a period: a sine of 0.2 g and 0.02 s reaches A T/pi."""
     motion = pulse(spec)
     time = np.linspace(motion.start, motion.stop, 200001)
-    speeds = motion.velocities(time)
+    speeds = motion.velocity(time)
     assert motion.peak_velocity == pytest.approx(np.abs(speeds).max(), rel=1e-4)
     assert motion.end_velocity == pytest.approx(speeds[-1], abs=1e-6 * motion.peak_velocity)
 
@@ -134,7 +134,7 @@ def test_the_ricker_wavelet_of_the_study_is_strongest_at_its_frequency(frequency
     pulse = PULSES["ricker"].motion(2.0, frequency)
     period = 2 * math.pi / frequency
     time = np.linspace(pulse.start, pulse.start + 200 * period, 40001)
-    spectrum = np.abs(np.fft.rfft(pulse.accelerations(time)))
+    spectrum = np.abs(np.fft.rfft(pulse.acceleration(time)))
     found = np.fft.rfftfreq(len(time), float(time[1]))[int(np.argmax(spectrum))]
     assert found == pytest.approx(1 / period, rel=0.006)
     assert pulse.peak == pytest.approx(2.0)

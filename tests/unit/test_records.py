@@ -303,7 +303,7 @@ def test_baseline(tmp_path: Path, baseline: Any, degree: int) -> None:
     )
 
     def squared(values: np.ndarray) -> float:
-        speed = read(values).velocities(time)
+        speed = read(values).velocity(time)
         return float(speed @ speed)
 
     least = squared(cleaned.value)
@@ -319,9 +319,9 @@ def test_the_integral_is_that_of_the_broken_line(tmp_path: Path) -> None:
     motion = record(tmp_path, peer("NPTS=7, DT=.005"), start=0.1)
     fine = np.linspace(0.09, 0.14, 100001)
     slow = np.array([motion.acceleration(float(t)) for t in fine])
-    np.testing.assert_allclose(motion.accelerations(fine), slow, atol=1e-14)
+    np.testing.assert_allclose(motion.acceleration(fine), slow, atol=1e-14)
     gained = np.concatenate(([0.0], np.cumsum((slow[1:] + slow[:-1]) / 2 * np.diff(fine))))
-    speeds = motion.velocities(fine)
+    speeds = motion.velocity(fine)
     np.testing.assert_allclose(speeds, gained, atol=1e-6)
     slowly = np.array([motion.velocity(float(t)) for t in fine[::100]])
     np.testing.assert_allclose(speeds[::100], slowly, atol=1e-15)

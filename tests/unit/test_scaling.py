@@ -80,7 +80,7 @@ def test_samples_go_beside_the_scene(tmp_path: Path) -> None:
     assert main(["scale", str(file), "--lengths", "15", "-o", str(model)]) == 0
     grounds = [read_ground(load_scene(path)) for path in (file, model)]
     times = np.linspace(0, 20, 777)
-    old, new = grounds[0].accelerations(times), grounds[1].accelerations(times / math.sqrt(15))
+    old, new = grounds[0].acceleration(times), grounds[1].acceleration(times / math.sqrt(15))
     assert np.abs(old).max() > 1.0
     assert np.abs(old - new).max() < 1e-9 * np.abs(old).max()
     assert {path.name for path in tmp_path.iterdir()} == {

@@ -130,7 +130,7 @@ def test_a_motion_keeps_its_samples_where_others_come_between() -> None:
     uneven = SampledMotion(time=np.array([0.0, 0.1, 0.15, 0.4]), value=value)
     samples, step = uneven.evenly_spaced(1.0)
     assert step == pytest.approx(0.05)
-    np.testing.assert_allclose(samples, uneven.accelerations(step * np.arange(9)), atol=1e-12)
+    np.testing.assert_allclose(samples, uneven.acceleration(step * np.arange(9)), atol=1e-12)
 
 
 @pytest.mark.skipif(not RECORDS.is_dir(), reason="the records are not part of the project")

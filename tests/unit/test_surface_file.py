@@ -263,8 +263,8 @@ def meshes(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_meshes_of_gmsh(name: str, meshes: Path) -> None:
     surface = read_surface(meshes / name)
     assert surface.volume == pytest.approx(math.pi / 8, rel=0.05)
-    assert surface.low == pytest.approx([-0.5, 0, 0], abs=1e-9)
-    assert surface.high == pytest.approx([0.5, 0.5, 1], abs=1e-3)
+    assert surface.points.min(axis=0) == pytest.approx([-0.5, 0, 0], abs=1e-9)
+    assert surface.points.max(axis=0) == pytest.approx([0.5, 0.5, 1], abs=1e-3)
     other = read_surface(meshes / "facets.msh")
     assert surface.volume == pytest.approx(other.volume, rel=1e-12)
 
@@ -452,8 +452,6 @@ def test_too_many_facets_are_not_even_read(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("facets", "said"),
     [
-        (FACETS + 1, "facets with points 1 to 8, allowed 0 to 7"),
-        (FACETS[:, :2], r"got facets \(12, 2\), allowed \(m, 3\)"),
         (np.array([*FACETS, (0, 0, 1)]), "facet 12 with a point twice"),
     ],
 )

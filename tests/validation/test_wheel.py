@@ -92,7 +92,7 @@ def test_the_conda_recipe_asks_for_what_the_wheel_needs() -> None:
     """With the same bounds; and for what pip has no builds of."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     options = project["optional-dependencies"]
-    extras = ("pictures", "progress", "vtkhdf")
+    extras = ("pictures", "progress")
     needed = [*project["dependencies"], *(each for name in extras for each in options[name])]
     needed.append(f"python{project['requires-python']}")
     recipe = (ROOT / "conda" / "recipe.yaml").read_text()

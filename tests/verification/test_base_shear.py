@@ -60,7 +60,7 @@ def rigid_steps(case: Scene) -> Iterator[tuple[Array, Array, Array]]:
     for n in range(round(case.time.end / STEP)):
         ends, before = STEP * np.array([n, n + 1]), momentum()
         mean = ground.means(ends)
-        (row,) = system.advance(1, STEP, ground.accelerations(ends), mean=mean).rows
+        (row,) = system.advance(1, STEP, ground.acceleration(ends), mean=mean).rows
         yield row[columns], momentum() - before, mean[0, :across]
 
 

@@ -233,7 +233,7 @@ def pounded(given: Scene, apart: float, dt: float = 1e-3) -> list[Array]:
         places, velocities = ([f(k)[0] for k in (0, 1)] for f in (system.centre, system.velocity))
         rows.append([system.time, *places, *velocities])
         times = system.time + np.array([0.0, dt])
-        ground, mean = motion.accelerations(times), motion.means(times)
+        ground, mean = motion.acceleration(times), motion.means(times)
         assert system.advance(1, dt, ground, mean=mean).failure is None
     found, steps = [], np.array(rows)
     speed = steps[:, 4] - steps[:, 3]

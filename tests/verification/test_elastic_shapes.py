@@ -591,11 +591,13 @@ def test_a_mesh_is_taken_as_it_is(cell: str, tmp_path: Path) -> None:
     """That of a box, with and without groups, away from the origin, does what the box does."""
     import gmsh
 
-    from geometry.gmsh_model import box as gridded
+    from geometry.gmsh_model import put
+    from geometry.grid import grid_cells, tags_of_sides
 
     def make() -> None:
         x, y, z = GRID
-        gridded(x + 3.0, y, z - 1.0, tetrahedra=cell == "tetrahedron")
+        cells = grid_cells([x + 3.0, y, z - 1.0], simplices=cell == "tetrahedron")
+        put(cells, tags_of_sides(cells))
         if cell == "tetrahedron":
             gmsh.model.removePhysicalGroups()
 

@@ -328,7 +328,7 @@ def test_a_link_to_a_platform_keeps_the_balance_of_momentum(d: int) -> None:
     for n in range(500):
         ends, before = 2e-3 * np.array([n, n + 1]), momentum()
         mean = ground.means(ends)
-        (row,) = system.advance(1, 2e-3, ground.accelerations(ends), mean=mean).rows
+        (row,) = system.advance(1, 2e-3, ground.acceleration(ends), mean=mean).rows
         push = 700.0 * float(np.interp(ends, [0.1, 0.6], [0.0, 1.0]).mean())
         gained = momentum() - before + 2e-3 * whole * mean[0, 0]
         off = max(off, abs(gained - 2e-3 * (push - row[shear])))

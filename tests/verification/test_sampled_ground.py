@@ -68,7 +68,7 @@ def test_a_block_without_friction_stays_behind(
     start = (1.0, 0.0, 0.0)[:dimension]
     run = replace(run, blocks=(replace(run.blocks[0], velocity=start),))
     motion = read_ground(run)
-    end = float(motion.velocities(np.array([WHOLE]))[0, 0])
+    end = float(motion.velocity(np.array([WHOLE]))[0, 0])
     assert abs(end) > 0.04
     result = simulate(run)
     assert result.status == "completed"
@@ -83,7 +83,7 @@ def test_other_directions(noise: Path) -> None:
     run = scene(noise, 0.007, "rigid", 3, motion=record | {"second": record | {"scale": -0.5}})
     result = simulate(run)
     motion = read_ground(run)
-    along, across, _ = motion.velocities(np.array([WHOLE]))[0]
+    along, across, _ = motion.velocity(np.array([WHOLE]))[0]
     assert last_speed(result, "block.slip_m") == pytest.approx(-along, rel=1e-6)
     assert last_speed(result, "block.slip_second_m") == pytest.approx(-across, rel=1e-6)
     assert across == pytest.approx(-along / 2, rel=1e-12)
@@ -95,7 +95,7 @@ def test_vertical_impulses_reach_the_floor(noise: Path) -> None:
     run = scene(noise, 0.0237, "rigid", motion={"kind": "none", "vertical": record})
     history = simulate(run).history
     motion = read_ground(run)
-    gained = float(motion.velocities(np.array([WHOLE]))[0, 1])
+    gained = float(motion.velocity(np.array([WHOLE]))[0, 1])
     pushed = float(history["block.normal_force_N"][1:] @ np.diff(history["time_s"]))
     assert pushed == pytest.approx(400.0 * (9.81 * WHOLE + gained), rel=1e-7)
 
@@ -132,7 +132,7 @@ def test_the_ground_at_many_times_is_that_at_each(noise: Path) -> None:
                 "dt": DT}})  # fmt: skip
     motion = read_ground(run)
     times = 0.007 * np.arange(51)
-    at, mean = motion.accelerations(times), motion.means(times)
+    at, mean = motion.acceleration(times), motion.means(times)
     for k in range(50):
         np.testing.assert_allclose(motion.acceleration(0.007 * k), at[k], atol=1e-14)
         np.testing.assert_allclose(motion.mean(0.007 * k, 0.007), mean[k], atol=1e-12)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from solver.excitation.layouts.header import unit_of
 from solver.excitation.layouts.text import NUMBER, Component, Stated, TextFile
 from solver.scene.motion import FileSpec
@@ -17,7 +19,7 @@ def recognised(text: TextFile) -> bool:
     return text.optional(_TITLE, [1]) is not None
 
 
-def components(text: TextFile, spec: FileSpec) -> list[Component]:
+def components(text: TextFile, spec: FileSpec) -> Iterator[Component]:
     """All three, in the unit in which the header gives their largest accelerations.
 
     These are held against the values, roughly: a unit taken from there has to be the right one.
@@ -36,9 +38,4 @@ def components(text: TextFile, spec: FileSpec) -> list[Component]:
     for i, name in enumerate(names):
         stated = text.optional(rf"\({name}\)\s*({NUMBER})", [largest.line])
         text.similar(stated, values[:, i])
-    return [
-        Component(
-            name=name, number=i + 1, values=values[:, i], lines=lines, units=(unit,), steps=(step,)
-        )
-        for i, name in enumerate(names)
-    ]
+        yield Component(name=name, values=values[:, i], lines=lines, units=(unit,), steps=(step,))

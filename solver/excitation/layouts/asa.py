@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from solver.excitation.layouts.header import unit_of
 from solver.excitation.layouts.text import Component, Stated, TextFile, number_in, width_of
 from solver.scene.checking import shown
@@ -17,7 +19,7 @@ def recognised(text: TextFile) -> bool:
     return text.optional(_SIGNATURE, range(1, min(len(text.lines), 20) + 1)) is not None
 
 
-def components(text: TextFile, spec: FileSpec) -> list[Component]:
+def components(text: TextFile, spec: FileSpec) -> Iterator[Component]:
     """All channels, named by their orientations."""
     title = text.required(r"^\s*DATOS DE ACELERACION", "DATOS DE ACELERACION")
     rules = [
@@ -54,17 +56,8 @@ def components(text: TextFile, spec: FileSpec) -> list[Component]:
     width = width_of(form.value[1]) if form else None
     values, lines = text.block(rules[-1], count, width=width, columns=channels)
     text.nothing_after(lines[-1], count)
-    return [
-        Component(
-            name=orientations[i],
-            number=i + 1,
-            values=values[:, i],
-            lines=lines,
-            units=(unit,),
-            steps=(steps[i],),
-        )
-        for i in range(channels)
-    ]
+    for i, (name, step) in enumerate(zip(orientations, steps, strict=True)):
+        yield Component(name=name, values=values[:, i], lines=lines, units=(unit,), steps=(step,))
 
 
 def _each(text: TextFile, key: str, what: str, among: range) -> list[Stated[float]]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from solver.excitation.layouts.header import unit_of
 from solver.excitation.layouts.text import Component, Stated, TextFile, width_of
 from solver.scene.checking import shown
@@ -30,9 +32,8 @@ def recognised(text: TextFile) -> bool:
     return text.optional(r"acceleration.*\(Format v", [1]) is not None
 
 
-def components(text: TextFile, spec: FileSpec) -> list[Component]:
+def components(text: TextFile, spec: FileSpec) -> Iterator[Component]:
     """All blocks of accelerations; those of velocities and displacements are passed over."""
-    found: list[Component] = []
     begin = 1
     while block := text.optional(_BLOCK, range(begin, len(text.lines) + 1)):
         count = Stated(int(block.value[1]), block.line)
@@ -40,22 +41,18 @@ def components(text: TextFile, spec: FileSpec) -> list[Component]:
         text.nothing_after(lines[-1], count, whole=False)
         among = range(begin, block.line)
         channel = text.optional(_CHANNEL, reversed(among))
-        found.append(
-            Component(
-                name=" ".join(channel.value[1].split()) if channel else "",
-                number=len(found) + 1,
-                values=values,
-                lines=lines,
-                units=(_unit(text, block.value[2], block.value[3], block.line),),
-                steps=_step(text, among, count),
-            )
+        yield Component(
+            name=" ".join(channel.value[1].split()) if channel else "",
+            values=values,
+            lines=lines,
+            units=(_unit(text, block.value[2], block.value[3], block.line),),
+            steps=_step(text, among, count),
         )
         begin = lines[-1] + 1
-    if not found:
+    if begin == 1:
         raise text.error(
             1, "no line `acceleration pts, ... units=..., Format=...`", "accelerations"
         )
-    return found
 
 
 def _unit(text: TextFile, name: str, code: str | None, line: int) -> Stated[str]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from solver.errors import SceneError
+from collections.abc import Iterator
+
 from solver.excitation.layouts.header import unit_of
 from solver.excitation.layouts.text import NUMBER, Component, Stated, TextFile, width_of
 from solver.scene.motion import FileSpec
@@ -26,9 +27,8 @@ def recognised(text: TextFile) -> bool:
     )
 
 
-def components(text: TextFile, spec: FileSpec) -> list[Component]:
+def components(text: TextFile, spec: FileSpec) -> Iterator[Component]:
     """All channels; velocities and displacements are passed over."""
-    found: list[Component] = []
     begin = 1
     while block := text.optional(_BLOCK, range(begin, len(text.lines) + 1)):
         count = Stated(int(block.value[1]), block.line)
@@ -48,17 +48,11 @@ def components(text: TextFile, spec: FileSpec) -> list[Component]:
         channel = text.optional(r"\bChan\s+\d+:\s*(.*?)(?:\s{2,}|$)", reversed(among))
         values, lines = text.block(block.line, count, width=width_of(form))
         text.nothing_after(lines[-1], count, whole=False)
-        found.append(
-            Component(
-                name=channel.value[1] if channel else "",
-                number=len(found) + 1,
-                values=values,
-                lines=lines,
-                units=(Stated(unit_of(unit), block.line),),
-                steps=(Stated(step, block.line),),
-            )
+        yield Component(
+            name=channel.value[1] if channel else "",
+            values=values,
+            lines=lines,
+            units=(Stated(unit_of(unit), block.line),),
+            steps=(Stated(step, block.line),),
         )
         begin = lines[-1] + 1
-    if not found:
-        raise SceneError(str(text.path), "no line `points of accel data`", "accelerations")
-    return found

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from solver.excitation.layouts.text import NUMBER, Component, Stated, TextFile
@@ -24,9 +26,8 @@ def recognised(text: TextFile) -> bool:
     return text.optional(_TITLE, [1]) is not None and text.optional(_DATA, among) is not None
 
 
-def components(text: TextFile, spec: FileSpec) -> list[Component]:
+def components(text: TextFile, spec: FileSpec) -> Iterator[Component]:
     """The components one after another; velocities and displacements are passed over."""
-    found: list[Component] = []
     begin = 1
     while title := text.optional(_TITLE, range(begin, len(text.lines) + 1)):
         following = text.optional(_TITLE, range(title.line + 1, len(text.lines) + 1))
@@ -47,23 +48,19 @@ def components(text: TextFile, spec: FileSpec) -> list[Component]:
         name = text.optional(r"^Component\s+(\S+)", among)
         values, lines = text.block(rows[-1], count)
         factor = float(data.value[1] or 1.0)
-        found.append(
-            Component(
-                name=name.value[1] if name else "",
-                number=len(found) + 1,
-                values=values * factor,
-                lines=lines,
-                units=(Stated("mm/s2", data.line),),
-                steps=(step,),
-                notes=() if factor == 1.0 else (f"readings times {factor:g} mm/s2",),
-            )
+        yield Component(
+            name=name.value[1] if name else "",
+            values=values * factor,
+            lines=lines,
+            units=(Stated("mm/s2", data.line),),
+            steps=(step,),
+            notes=() if factor == 1.0 else (f"readings times {factor:g} mm/s2",),
         )
         begin = lines[-1] + 1
         for others in () if raw else (head[3, 4], head[3, 5]):
             if others > 0:
                 begin = text.block(begin - 1, Stated(int(others), rows[3]))[1][-1] + 1
         text.nothing_after(begin - 1, count, whole=False)
-    return found
 
 
 def _numbers(text: TextFile, after: int) -> tuple[Array, list[int]]:

@@ -165,10 +165,7 @@ def units_hinted(header: Sequence[str]) -> Iterator[Stated[str]]:
 
 def mentions_units(header: Sequence[str]) -> int:
     """The number of the first line that has a unit other than g, stated or not, from 1; 0: none."""
-    for line, text in enumerate(header, start=1):
-        if _MENTIONED.search(_plain(text)):
-            return line
-    return 0
+    return next((k for k, text in enumerate(header, 1) if _MENTIONED.search(_plain(text))), 0)
 
 
 def steps_stated(header: Sequence[str]) -> Iterator[Stated[float]]:
@@ -198,7 +195,4 @@ def counts_stated(header: Sequence[str]) -> Iterator[Stated[int]]:
 
 def names_milliseconds(header: Sequence[str]) -> int:
     """The number of the line in which a header states times in ms, from 1; 0: none."""
-    for line, text in enumerate(header, start=1):
-        if _MILLISECONDS.search(text):
-            return line
-    return 0
+    return next((k for k, text in enumerate(header, 1) if _MILLISECONDS.search(text)), 0)

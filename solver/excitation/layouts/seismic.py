@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ TITLE = "by obspy"
 REMEDY = "a text, or obspy installed (pip install obspy), which reads MiniSEED, SAC and others"
 
 
-def components(path: Path) -> list[Component]:
+def components(path: Path) -> Iterator[Component]:
     """The traces of a file; they do not say their unit.
 
     Raises:
@@ -30,25 +31,18 @@ def components(path: Path) -> list[Component]:
     except Exception as error:  # whatever its readers raise
         said = " ".join(str(error).split()) or type(error).__name__
         raise SceneError(str(path), f"what obspy does not read ({said})", REMEDY) from None
-    found: list[Component] = []
-    for number, trace in enumerate(traces, start=1):
+    names: set[str] = set()
+    for trace in traces:
         values = np.asarray(trace.data, dtype=float)
         step, calib = float(trace.stats.delta), float(getattr(trace.stats, "calib", 1.0))
         name = str(trace.id)
-        if any(name == other.name for other in found):
+        if name in names:
             raise SceneError(str(path), f"several traces of {name}", "one without gaps")
+        names.add(name)
         if len(values) < 2 or not np.isfinite(values).all() or not 0 < step < np.inf:
             got = f"{name}: {len(values)} samples {step:g} s apart"
             raise SceneError(str(path), got, "2 finite samples or more")
         if calib != 1.0:
             raise SceneError(str(path), f"{name} with a factor {calib:g} of its own", "1")
-        found.append(
-            Component(
-                name=name,
-                number=number,
-                values=values,
-                lines=list(range(1, len(values) + 1)),
-                steps=(Stated(step, 0),),
-            )
-        )
-    return found
+        lines = list(range(1, len(values) + 1))
+        yield Component(name=name, values=values, lines=lines, steps=(Stated(step, 0),))

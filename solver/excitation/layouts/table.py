@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import ModuleType
 
 from solver.errors import SceneError, missing_key
@@ -78,11 +78,12 @@ def read_motion(spec: FileSpec, where: str) -> Accelerogram:
     """
     text = None
     if spec.format == "obspy" or (spec.format is None and is_binary(spec.file)):
-        title, found = seismic.TITLE, seismic.components(spec.file)
+        title, read = seismic.TITLE, seismic.components(spec.file)
     else:
         text = TextFile(spec.file, read_lines(spec.file, f"{where}.file", columns.EXPECTED))
         layout = LAYOUTS[_format(spec, where, text)]
-        title, found = layout.TITLE, layout.components(text, spec)
+        title, read = layout.TITLE, layout.components(text, spec)
+    found = [replace(each, number=each.number or k) for k, each in enumerate(read, start=1)]
     chosen = _chosen(spec, where, found, text)
     unit, unit_at = _unit(spec, where, chosen, text)
     step, step_at = _step(spec, where, chosen)

@@ -148,8 +148,8 @@ class Component:
 
     name: str = ""
     """Its name in the file; empty: none."""
-    number: int = 1
-    """Which of several it is, from 1: of columns the number in the file."""
+    number: int = 0
+    """Of columns the number in the file, from 1; 0: its place among all of the file."""
     values: Array
     """The samples in the unit below, (n,)."""
     lines: list[int]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -30,9 +31,8 @@ def recognised(text: TextFile) -> bool:
     )
 
 
-def components(text: TextFile, spec: FileSpec) -> list[Component]:
+def components(text: TextFile, spec: FileSpec) -> Iterator[Component]:
     """The components one after another; their samples need not be equally far apart."""
-    found: list[Component] = []
     begin = 1
     while units := text.optional(_UNITS, range(begin, len(text.lines) + 1)):
         among = range(begin, units.line + 1)
@@ -49,19 +49,15 @@ def components(text: TextFile, spec: FileSpec) -> list[Component]:
         if length and abs(float(length.value[1]) - (time[-1] - time[0])) > 0.01 * time[-1]:
             got, times = f"{length.value[1]} s", f"{time[0]:g} to {time[-1]:g} s of the values"
             raise text.error(length.line, got, times)
-        found.append(
-            Component(
-                name=name.value[1] if name else "",
-                number=len(found) + 1,
-                values=value,
-                lines=lines[1::2],
-                units=(Stated(unit_of(units.value[1]), units.line),),
-                time=time,
-                even=even_step(time),
-            )
+        yield Component(
+            name=name.value[1] if name else "",
+            values=value,
+            lines=lines[1::2],
+            units=(Stated(unit_of(units.value[1]), units.line),),
+            time=time,
+            even=even_step(time),
         )
         begin = lines[-1] + 1
-    return found
 
 
 def _reals(text: TextFile, line: int) -> int:

@@ -32,7 +32,7 @@ def jumps(motion: SampledMotion, scale: float, step: float) -> Array:
     """Changes of the ground's velocity in each step (s) up to the end of a motion, m/s."""
     count = int(np.ceil(motion.stop / step * (1 - 1e-9)))
     times: Array = step * np.arange(count + 1, dtype=np.float64)
-    return scale * np.diff(motion.velocities(times))
+    return scale * np.diff(motion.velocity(times))
 
 
 def fixed_drifts(change: Array, step: float, platform: Platform, masses: Array) -> Array:

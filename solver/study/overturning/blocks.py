@@ -177,8 +177,8 @@ class RigidUnderPulses:
         self._step = unit.stop / self._shaken
         times: Array = self._step * np.arange(self._shaken + 1, dtype=np.float64)
         self._ground, self._mean = np.zeros((len(times), 2)), np.zeros((len(times) - 1, 2))
-        self._ground[:, 0] = unit.accelerations(times)
-        self._mean[:, 0] = np.diff(unit.velocities(times)) / self._step
+        self._ground[:, 0] = unit.acceleration(times)
+        self._mean[:, 0] = np.diff(unit.velocity(times)) / self._step
         self._system = RigidSystem(scene)
         self._start = self._system.saved()
         names, own = self._system.columns, f"{self._system.names[0]}."

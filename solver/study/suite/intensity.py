@@ -100,5 +100,5 @@ def turned_motion(x: SampledMotion, y: SampledMotion, angle: float) -> SampledMo
 
     time = np.union1d(x.time, y.time)
     time = time[np.diff(time, prepend=-math.inf) > APART]
-    value = math.cos(angle) * x.accelerations(time) + math.sin(angle) * y.accelerations(time)
+    value = math.cos(angle) * x.acceleration(time) + math.sin(angle) * y.acceleration(time)
     return replace(x, time=time, value=value, step=even_step(time), largest="")
