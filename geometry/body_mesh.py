@@ -19,10 +19,11 @@ import numpy as np
 from geometry.body_faces import BodyFaces, faces_on_mesh
 from geometry.cells import Cells, cells_of_model
 from geometry.convex import Convex
-from geometry.gmsh_model import MeshedBody, convex_body, make, put
+from geometry.gmsh_model import MeshedBody, convex_body, make
 from geometry.gmsh_session import failures, options, silent_model
 from geometry.surface import Surface
-from geometry.tags import FINER
+from geometry.tags import ALL_CELLS, FINER
+from solver.types import Indices
 
 SHARP = 40.0
 """Angle between facets of a surface, degrees, from which the edge between them stays an edge."""
@@ -57,24 +58,40 @@ def body_mesh(
     Raises:
         ValueError: On every rank: there is no mesh of it, or not of one piece.
     """
-    build_model, faces, trouble = _nothing, list[BodyFaces](), ""
+    put, faces, trouble = _nothing, list[BodyFaces](), ""
     if comm.rank == 0:
         try:
             cells = build()
             _refuse_pieces(cells)
             faces, tags = faces_on_mesh(cells.points, cells.boundary, parts)
-            build_model = partial(put, cells, tags)
+            put = partial(_put, cells, tags)
         except ValueError as error:
             trouble = str(error)
     trouble, faces = comm.bcast((trouble, faces))
     if trouble:
         raise ValueError(trouble)
-    made = make(name, build_model, dimension, comm)
+    made = make(name, put, dimension, comm)
     return BodyMesh(made=made, faces=tuple(faces))
 
 
 def _nothing() -> None:
     """Make no mesh: another rank does."""
+
+
+def _put(cells: Cells, tags: Indices) -> None:
+    """Cells and the facets of their boundary as discrete entities of Gmsh's current model."""
+    d, model = cells.dimension, gmsh.model
+    used = np.unique(cells.numbers)
+    body = model.addDiscreteEntity(d)
+    places = np.pad(cells.points[used], ((0, 0), (0, 3 - d)))
+    model.mesh.addNodes(d, body, used + 1, places.ravel())
+    model.mesh.addElementsByType(body, cells.kind, [], cells.numbers.ravel() + 1)
+    model.addPhysicalGroup(d, [body], ALL_CELLS)
+    for tag in np.unique(tags):
+        face = model.addDiscreteEntity(d - 1)
+        facets = cells.boundary[tags == tag]
+        model.mesh.addElementsByType(face, cells.kind_of_facets, [], facets.ravel() + 1)
+        model.addPhysicalGroup(d - 1, [face], int(tag))
 
 
 def _refuse_pieces(cells: Cells) -> None:
@@ -98,11 +115,10 @@ def cells_of_parts(parts: Sequence[Convex], size: float) -> Cells:
     """
     d = parts[0].dimension
     with silent_model("parts"), failures("got parts that Gmsh cannot mesh ({})"):
-        kernel = gmsh.model.occ if len(parts) > 1 else gmsh.model.geo
-        bodies = [(d, convex_body(kernel, part)) for part in parts]
+        bodies = [(d, convex_body(gmsh.model.occ, part)[0]) for part in parts]
         if len(bodies) > 1:
             gmsh.model.occ.fragment(bodies[:1], bodies[1:])
-        kernel.synchronize()
+        gmsh.model.occ.synchronize()
         gmsh.model.mesh.setSize(gmsh.model.getEntities(0), size)
         gmsh.model.mesh.generate(d)
         return cells_of_model(d)

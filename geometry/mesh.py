@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from mpi4py import MPI
 
-import numpy as np
 from dolfinx.mesh import Mesh
 
 from geometry.arrangement import Placement
 from geometry.block import Block
-from geometry.body_mesh import cells_of_parts
 from geometry.convex import Convex
 from geometry.foundation import Plate
-from geometry.gmsh_model import MeshedBody, make, put
+from geometry.gmsh_model import CELLS, MeshedBody, box, convex, make, rectangle
 from geometry.grading import centred, graded, graded_to_both_ends
-from geometry.grid import CELLS, grid_cells, tags_of_sides
-from geometry.tags import FacetTag, tags_of_faces
-from solver.types import Array, Mask
+from geometry.tags import tags_of_faces
+from solver.types import Array
 
 
 def block_mesh(
@@ -44,13 +39,19 @@ def block_mesh(
             for itself.
         comm: The ranks that share the mesh.
     """
+    # Checked before anything collective, alike on every rank.
+    if not (_allowed(dimension, cells, cell) and refinement >= 1):
+        raise ValueError(
+            f"block_mesh: dimension={dimension}, cells={cells}, cell={cell!r},"
+            f" refinement={refinement}"
+        )
     sides = (shape.width, shape.thickness)[: dimension - 1]
     across = [
         centred(side, graded_to_both_ends(count, refinement))
         for side, count in zip(sides, cells[:-1], strict=True)
     ]
     up = shape.height * graded(cells[-1], refinement)
-    return grid_mesh("block", [*across, up], cell, comm)
+    return _tensor_mesh("block", [*across, up], cell, comm)
 
 
 def shape_mesh(part: Convex, size: float, comm: MPI.Intracomm = MPI.COMM_WORLD) -> MeshedBody:
@@ -61,12 +62,10 @@ def shape_mesh(part: Convex, size: float, comm: MPI.Intracomm = MPI.COMM_WORLD) 
         size: Length of the edges of the cells, m.
         comm: The ranks that share the mesh.
     """
-    tags = np.array(tags_of_faces([float(rise) for rise in part.normals[:, -1]]))
+    tags = tags_of_faces([float(rise) for rise in part.normals[:, -1]])
 
     def build() -> None:
-        cells = cells_of_parts((part,), size)
-        middles = cells.points[cells.boundary].mean(axis=1)
-        put(cells, tags[np.argmax(middles @ part.normals.T - part.levels, axis=1)])
+        convex(part, tags, size)
 
     return make("shape", build, part.dimension, comm)
 
@@ -84,34 +83,38 @@ def plate_mesh(
     It has x in [-W/2, W/2], in space y in [-t/2, t/2], and goes from -h up to 0. Cells are those of
     `block_mesh`, all of one size in each direction.
     """
+    if not _allowed(dimension, cells, cell):
+        raise ValueError(f"plate_mesh: dimension={dimension}, cells={cells}, cell={cell!r}")
     sides = (plate.width, plate.thickness)[: dimension - 1]
     across = [
         centred(side, graded(count, 1.0)) for side, count in zip(sides, cells[:-1], strict=True)
     ]
     up = plate.height * (graded(cells[-1], 1.0) - 1)
-    return grid_mesh("plate", [*across, up], cell, comm)
+    return _tensor_mesh("plate", [*across, up], cell, comm)
 
 
-def grid_mesh(
-    name: str,
-    lines: Sequence[Array],
-    cell: str | None,
-    comm: MPI.Intracomm,
-    *,
-    there: Mask | None = None,
-    lowest: FacetTag = FacetTag.BOTTOM,
+def _allowed(dimension: int, cells: tuple[int, ...], cell: str | None) -> bool:
+    """True if there are cells of this kind and number."""
+    return (
+        dimension in CELLS
+        and len(cells) == dimension
+        and min(cells) >= 1
+        and cell in (None, *CELLS[dimension])
+    )
+
+
+def _tensor_mesh(
+    name: str, lines: list[Array], cell: str | None, comm: MPI.Intracomm
 ) -> MeshedBody:
-    """The mesh over a tensor grid, or over those of its boxes that are there; collective.
-
-    See `grid_cells` and `tags_of_sides`; `cell` is as in `block_mesh`.
-    """
-    dimension = len(lines)
+    """The mesh over the tensor grid of lines."""
 
     def build() -> None:
-        cells = grid_cells(lines, there, simplices=cell == CELLS[dimension][1])
-        put(cells, tags_of_sides(cells, lowest))
+        if len(lines) == 2:
+            rectangle(lines[0], lines[1], triangles=cell == "triangle")
+        else:
+            box(lines[0], lines[1], lines[2], tetrahedra=cell == "tetrahedron")
 
-    return make(name, build, dimension, comm)
+    return make(name, build, len(lines), comm)
 
 
 def move(mesh: Mesh, placement: Placement) -> None:

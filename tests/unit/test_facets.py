@@ -10,7 +10,7 @@ from refinement import cut_by, outlines
 
 from geometry.block import Block
 from geometry.foundation import Plate
-from geometry.grid import CELLS
+from geometry.gmsh_model import CELLS
 from geometry.mesh import block_mesh, move, plate_mesh
 from geometry.tags import FacetTag
 from solver.contact.facets import carrier_surface

@@ -9,9 +9,15 @@ from dolfinx import fem
 from dolfinx.fem.petsc import LinearProblem
 from dolfinx.mesh import exterior_facet_indices
 
-from geometry.foundation import Frame, Plate, Storey
-from geometry.frame_mesh import FrameCells, frame_mesh
-from geometry.grid import CELLS
+from geometry.foundation import Frame, Plate
+from geometry.frame_mesh import (
+    FrameCells,
+    alternate_counts,
+    boxes_mesh,
+    column_breaks,
+    frame_mesh,
+)
+from geometry.gmsh_model import CELLS
 from geometry.tags import FacetTag
 
 COMM = MPI.COMM_WORLD
@@ -53,23 +59,25 @@ def test_portal(bays, cell):
     assert integral(x[0] * ufl.dx) == pytest.approx(0.0, abs=1e-14)
 
 
-def test_two_storeys():
-    """Blocks stand on the upper deck; the free part of the other one's top is no carrier."""
-    frame = Frame(deck=DECK, column_width=0.1, storey=1.5, below=(Storey(1.7, 0.3),))
-    made = frame_mesh(frame, cells=FrameCells(bay=5, column=1, deck=1, storey=4), comm=COMM)
+@pytest.mark.parametrize("carries", [1, 3])
+def test_boxes_of_two_storeys(carries):
+    """Blocks stand on the deck that carries; the free part of the other one's top is no carrier."""
+    lines = [column_breaks(2.0, 0.1, 1), np.array([-3.4, -1.9, -1.7, -0.2, 0.0])]
+    counts = [alternate_counts(1, 5, 1), [4, 1, 4, 1]]
+    boxes = [(x, y) for y in range(4) for x in range(3) if y % 2 or x != 1]
+    made = boxes_mesh(lines, counts, boxes, carries=carries, comm=COMM)
     assert made.mesh.topology.index_map(2).size_global == 2 * (7 + 2 * 4)
-    area = integral(fem.Constant(made.mesh, 1.0) * ufl.dx)
-    assert area == pytest.approx(2.0 * (0.2 + 0.3) + 2 * 0.1 * (1.5 + 1.7))
     sizes = face_sizes(made)
-    assert sizes[FacetTag.TOP] == pytest.approx(2.0)
-    assert sizes[FacetTag.FREE] == pytest.approx(1.8)
+    top = {1: 1.8, 3: 2.0}
+    assert sizes[FacetTag.TOP] == pytest.approx(top[carries])
+    assert sizes[FacetTag.FREE] == pytest.approx(top[4 - carries])
     assert sizes[FacetTag.FEET] == pytest.approx(0.2)
     assert sizes[FacetTag.BOTTOM] == pytest.approx(2 * 1.8)
-    x = ufl.SpatialCoordinate(made.mesh)
-    ds = ufl.Measure("ds", made.mesh, subdomain_data=made.facet_tags)
-    for tag, level in ((FacetTag.TOP, 0.0), (FacetTag.FREE, -1.7), (FacetTag.FEET, -3.7)):
-        moment = integral(x[1] * ds(int(tag)))
-        assert moment == pytest.approx(level * sizes[tag], abs=1e-15)
+
+
+def test_boxes_of_unknown_cells_are_refused():
+    with pytest.raises(ValueError, match="boxes_mesh: got cell 'hexagon'"):
+        boxes_mesh([np.arange(2.0)] * 2, [[1], [1]], [(0, 0)], carries=0, cell="hexagon")
 
 
 @pytest.mark.parametrize("cell", CELLS[3])
@@ -129,3 +137,24 @@ def _prefix():
 
     needed = "petsc_options_prefix" in inspect.signature(LinearProblem.__init__).parameters
     return {"petsc_options_prefix": "sway_"} if needed else {}
+
+
+def test_refuses_what_is_no_frame():
+    with pytest.raises(ValueError, match="no bay"):
+        Frame(deck=DECK, column_width=0.5, storey=1.0, bays=3)
+    with pytest.raises(ValueError, match=r"Frame.storey: got -1.0"):
+        Frame(deck=DECK, column_width=0.1, storey=-1.0)
+    with pytest.raises(ValueError, match=r"Frame.bays: got 0"):
+        Frame(deck=DECK, column_width=0.1, storey=1.0, bays=0)
+    with pytest.raises(ValueError, match="column_thickness"):
+        Frame(deck=DECK, column_width=0.1, storey=1.0, column_thickness=0.5)
+    with pytest.raises(ValueError, match=r"FrameCells.deck: got 0"):
+        FrameCells(deck=0)
+    with pytest.raises(ValueError, match="with 2 bays"):
+        frame_mesh(Frame(deck=DECK, column_width=0.1, storey=1.0, bays=2), dimension=3, comm=COMM)
+    portal = Frame(deck=DECK, column_width=0.1, storey=1.0)
+    with pytest.raises(ValueError, match="cell 'hexahedron'"):
+        frame_mesh(portal, cell="hexahedron", comm=COMM)
+    narrow = Frame(deck=Plate(width=2.0, height=0.2, thickness=0.2), column_width=0.1, storey=1.0)
+    with pytest.raises(ValueError, match="do not fit"):
+        frame_mesh(narrow, dimension=3, comm=COMM)

@@ -7,7 +7,7 @@ import pytest
 from dolfinx import fem
 
 from geometry.block import Block
-from geometry.grid import CELLS
+from geometry.gmsh_model import CELLS
 from geometry.mesh import block_mesh
 from geometry.tags import FacetTag
 from solver.contact.nitsche_points import contact_points

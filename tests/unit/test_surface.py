@@ -11,7 +11,7 @@ from refinement import outlines
 from benchmarks.verification.disc_mesh import disc_mesh
 from geometry.block import Block
 from geometry.foundation import Plate
-from geometry.grid import CELLS
+from geometry.gmsh_model import CELLS
 from geometry.mesh import block_mesh, plate_mesh
 from geometry.tags import FacetTag
 from solver.contact.facets import carrier_surface

@@ -591,13 +591,11 @@ def test_a_mesh_is_taken_as_it_is(cell: str, tmp_path: Path) -> None:
     """That of a box, with and without groups, away from the origin, does what the box does."""
     import gmsh
 
-    from geometry.gmsh_model import put
-    from geometry.grid import grid_cells, tags_of_sides
+    from geometry.gmsh_model import box as gridded
 
     def make() -> None:
         x, y, z = GRID
-        cells = grid_cells([x + 3.0, y, z - 1.0], simplices=cell == "tetrahedron")
-        put(cells, tags_of_sides(cells))
+        gridded(x + 3.0, y, z - 1.0, tetrahedra=cell == "tetrahedron")
         if cell == "tetrahedron":
             gmsh.model.removePhysicalGroups()
 
