@@ -40,6 +40,7 @@ class Convex:
 
     def __post_init__(self) -> None:
         """Refuse what is not convex, and integrate."""
+        refuse_density(self.density, "Convex.density")
         corners = real_points(self.corners, "Convex.corners", 2, 3)
         faces = tuple(tuple(int(k) for k in face) for face in self.faces)
         size = size_of(corners)
@@ -112,7 +113,14 @@ class Convex:
 
     def with_density(self, density: float) -> Convex:
         """This shape with another density, kg/m^3."""
+        refuse_density(density, "Convex.density")
         return changed(self, density=density)
+
+
+def refuse_density(density: float | None, name: str) -> None:
+    """ValueError for what is no density."""
+    if density is None or not (math.isfinite(density) and density > 0):
+        raise ValueError(f"{name}: got {density}, allowed a number > 0, kg/m3")
 
 
 def polygon_faces(count: int) -> Faces:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, fields
 from typing import NamedTuple
 
 import numpy as np
@@ -30,6 +31,14 @@ def level_frame(dimension: int, up: float = 1.0) -> Array:
     return face_frame(up * np.eye(dimension)[-1])
 
 
+def _refuse_what_is_not_positive(shape: Plate | Frame, names: tuple[str, ...]) -> None:
+    """Lengths are finite and > 0."""
+    for name in names:
+        value = getattr(shape, name)
+        if not (math.isfinite(value) and value > 0):
+            raise ValueError(f"{type(shape).__name__}.{name}: got {value}, allowed a number > 0")
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Plate:
     """An elastic plate that blocks stand on; origin at the centre of its top."""
@@ -40,6 +49,10 @@ class Plate:
     """h, m, > 0; from -h to 0."""
     thickness: float = 1.0
     """t, m, > 0; across the plane of motion."""
+
+    def __post_init__(self) -> None:
+        """Refuse what is no plate."""
+        _refuse_what_is_not_positive(self, tuple(field.name for field in fields(self)))
 
     @property
     def volume(self) -> float:
@@ -77,6 +90,24 @@ class Frame:
     column_thickness: float | None = None
     """Thickness of a column across the plane of motion, m, > 0, in space; None: as its width."""
 
+    def __post_init__(self) -> None:
+        """Refuse what is no frame."""
+        _refuse_what_is_not_positive(self, ("column_width", "storey"))
+        if self.bays < 1:
+            raise ValueError(f"Frame.bays: got {self.bays}, allowed a whole number >= 1")
+        if not self.bay > 0:
+            raise ValueError(
+                f"Frame.column_width: got {self.column_width}, allowed less than"
+                f" {self.deck.width / (self.bays + 1)}: the columns leave no bay under the deck"
+            )
+        if self.column_thickness is not None and not (
+            0 < 2 * self.column_thickness < self.deck.thickness
+        ):
+            raise ValueError(
+                f"Frame.column_thickness: got {self.column_thickness}, allowed more than 0 and less"
+                f" than half the deck's {self.deck.thickness}"
+            )
+
     @property
     def levels(self) -> Array:
         """Levels at which columns or decks end, from the feet up to the top at 0, m."""
@@ -84,3 +115,8 @@ class Frame:
         heights = [part for storey in storeys for part in storey]
         upwards: Array = np.concatenate([np.cumsum(heights[::-1])[::-1] * -1.0, [0.0]])
         return upwards
+
+    @property
+    def bay(self) -> float:
+        """Clear distance between two columns, m."""
+        return (self.deck.width - (self.bays + 1) * self.column_width) / self.bays

@@ -27,7 +27,7 @@ from geometry.polygon import (
     turn,
     without_straight,
 )
-from geometry.solid import MOST_EDGES, SINGLE, Solid
+from geometry.solid import MOST_EDGES, SINGLE, Solid, refuse_not_positive
 from geometry.surface import Surface, merged
 from solver.types import Array
 
@@ -38,6 +38,9 @@ off by no more than `COARSE`."""
 COARSE = 1e-4
 """How far a point of a fine surface may be off its hull, as a part of the size; twice as far, and
 so on, where the hull has more corners than contacts have numbers for."""
+
+MOST_SIDES = 1000
+"""Facets that a round shape may have."""
 
 
 def polygon(points: ArrayLike, density: float, thickness: float) -> Solid:
@@ -65,6 +68,8 @@ def regular(count: int, width: float, density: float, thickness: float) -> Solid
         density: kg/m^3.
         thickness: m.
     """
+    _refuse_sides("count", count)
+    refuse_not_positive("width", width)
     angles = -np.pi / 2 + np.pi / count * (2 * np.arange(count) - 1)
     ring = width / 2 * np.stack([np.cos(angles), np.sin(angles)], axis=1)
     return polygon(ring, density, thickness).standing()
@@ -77,6 +82,9 @@ def prism(outline: Solid, thickness: float) -> Solid:
         outline: The section, whose parts keep their densities.
         thickness: m; y from minus half of it to half of it.
     """
+    if outline.dimension != 2:
+        raise ValueError("outline: got a solid in space, allowed one in the plane")
+    refuse_not_positive("thickness", thickness)
     return Solid(parts=tuple(_extruded(part, thickness) for part in outline.parts))
 
 
@@ -94,6 +102,7 @@ def turned(profile: ArrayLike, sides: int, density: float) -> Solid:
             them by `chord_error`.
         density: kg/m^3.
     """
+    _refuse_sides("sides", sides)
     outline = _half_outline(profile)
     filled = _filled(outline)
     parts = []
@@ -110,6 +119,8 @@ def turned(profile: ArrayLike, sides: int, density: float) -> Solid:
 
 def cylinder(diameter: float, height: float, sides: int, density: float) -> Solid:
     """An upright cylinder with facets, on z = 0 about the axis x = y = 0; as `turned` makes it."""
+    refuse_not_positive("diameter", diameter)
+    refuse_not_positive("height", height)
     radius = diameter / 2
     half = np.array([[0, 0], [radius, 0], [radius, height], [0, height]])
     return turned(half, sides, density)
@@ -117,6 +128,8 @@ def cylinder(diameter: float, height: float, sides: int, density: float) -> Soli
 
 def chord_error(radius: float, sides: int) -> float:
     """How far facets lie within the circle through their corners at most, R (1 - cos(pi/n)), m."""
+    refuse_not_positive("radius", radius)
+    _refuse_sides("sides", sides)
     return 2 * radius * math.sin(math.pi / sides / 2) ** 2
 
 
@@ -182,6 +195,12 @@ def union(solids: Sequence[Solid]) -> Solid:
         for other in solids[number + 1 :]:
             _refuse_overlap(solid, other)
     return Solid(parts=parts, thickness=solids[0].thickness)
+
+
+def _refuse_sides(name: str, count: int) -> None:
+    """A round shape has some facets, and a whole number of them."""
+    if count != int(count) or not 3 <= count <= MOST_SIDES:
+        raise ValueError(f"{name}: got {count}, allowed a whole number from 3 to {MOST_SIDES}")
 
 
 def _extruded(part: Convex, thickness: float) -> Convex:

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geometry.convex import Convex
+from geometry.convex import Convex, refuse_density
 from geometry.moments import Moments, together
 from geometry.polygon import NEAR, size_of
 from geometry.surface import Surface
@@ -36,7 +36,8 @@ class Solid:
     """A rigid body's shape and mass, of convex parts that do not overlap.
 
     Raises:
-        ValueError: more parts, or larger ones, than contacts can have numbers of.
+        ValueError: no parts, parts of the plane and of space, a thickness or density <= 0, a
+            surface without density or the other way round.
     """
 
     parts: tuple[Convex, ...]
@@ -53,12 +54,27 @@ class Solid:
     """Mass, centre and its second moments about it."""
 
     def __post_init__(self) -> None:
-        """Integrate."""
+        """Refuse what is no body, and integrate."""
+        if not self.parts:
+            raise ValueError("Solid.parts: got none, allowed one or more")
+        if len({part.dimension for part in self.parts}) > 1:
+            raise ValueError(
+                "Solid.parts: got polygons and polyhedra, allowed parts of one dimension"
+            )
+        refuse_not_positive("Solid.thickness", self.thickness)
         _refuse_too_many(self.parts)
         if self.surface is None:
+            if self.density is not None:
+                raise ValueError(
+                    f"Solid.density: got {self.density}, allowed None without a surface:"
+                    " parts have densities of their own"
+                )
             deep = self.thickness if self.dimension == 2 else 1.0
             masses = together(part.moments.times(part.density * deep) for part in self.parts)
         else:
+            refuse_density(self.density, "Solid.density")
+            if self.dimension == 2:
+                raise ValueError("Solid.surface: got a surface, allowed None in the plane")
             masses = self.surface.moments.times(self.density or 0.0)
         object.__setattr__(self, "masses", masses)
 
@@ -141,6 +157,15 @@ class Solid:
     def rotated(self, rotation: ArrayLike) -> Solid:
         """This body turned about the origin by a rotation matrix (d, d)."""
         matrix = np.asarray(rotation, dtype=np.float64)
+        dimension = self.dimension
+        right = matrix.shape == (dimension, dimension) and np.allclose(
+            matrix @ matrix.T, np.eye(dimension), atol=1e-9
+        )
+        if not (right and np.linalg.det(matrix) > 0):
+            raise ValueError(
+                f"rotation: got {matrix.tolist()}, allowed a rotation matrix"
+                f" ({dimension}, {dimension})"
+            )
         surface = None if self.surface is None else self.surface.rotated(matrix)
         return replace(
             self, parts=tuple(part.rotated(matrix) for part in self.parts), surface=surface
@@ -148,6 +173,7 @@ class Solid:
 
     def with_mass(self, mass: float) -> Solid:
         """This body with a mass, kg: all densities by one factor."""
+        refuse_not_positive("mass", mass)
         factor = mass / self.mass
         parts = tuple(part.with_density(factor * part.density) for part in self.parts)
         density = None if self.density is None else factor * self.density
@@ -161,6 +187,12 @@ class Solid:
         bottom = self.bottom
         middle = (bottom.min(axis=0) + bottom.max(axis=0)) / 2
         return self.moved(-np.append(middle[:-1], self.low[-1]))
+
+
+def refuse_not_positive(name: str, value: float) -> None:
+    """Lengths and masses are finite and > 0."""
+    if not (math.isfinite(value) and value > 0):
+        raise ValueError(f"{name}: got {value}, allowed a number > 0")
 
 
 def _refuse_too_many(parts: Sequence[Convex]) -> None:

@@ -48,7 +48,16 @@ class Surface:
         """Refuse what is not closed, turn what is inside out, and integrate."""
         points = real_points(self.points, self.name, 3)
         triangles = np.array(self.triangles, dtype=np.int64)
+        if triangles.size == 0:
+            raise ValueError(f"{self.name}: got no facets, allowed a closed surface")
+        if triangles.ndim != 2 or triangles.shape[1] != 3:
+            raise ValueError(f"{self.name}: got facets {triangles.shape}, allowed (m, 3)")
         refuse_too_many(len(triangles), self.name)
+        if triangles.min() < 0 or triangles.max() >= len(points):
+            raise ValueError(
+                f"{self.name}: got facets with points {triangles.min()} to {triangles.max()},"
+                f" allowed 0 to {len(points) - 1}"
+            )
         _refuse_open(points, triangles, self.name)
         triangles = _outward(points, triangles, self.name)
         moments = moments_of(points, triangles)

@@ -193,6 +193,31 @@ def test_grading():
     np.testing.assert_array_equal(graded_to_both_ends(4, 1.0), [0, 0.25, 0.5, 0.75, 1])
 
 
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"cells": (0, 3)},
+        {"cell": "hexagon"},
+        {"refinement": 0.5},
+        {"refinement": np.nan},
+        {"cells": (2, 2, 2)},
+        {"dimension": 3},
+        {"dimension": 3, "cells": (2, 2, 2), "cell": "triangle"},
+        {"dimension": 4},
+    ],
+)
+def test_refuses(options):
+    with pytest.raises(ValueError, match="block_mesh"):
+        block_mesh(SHAPE, comm=COMM, **options)
+
+
+def test_plate_refuses():
+    with pytest.raises(ValueError, match="plate_mesh"):
+        plate_mesh(Plate(width=1.0, height=0.1), cells=(4,), comm=COMM)
+    with pytest.raises(ValueError, match=r"Plate.height: got 0.0"):
+        Plate(width=1.0, height=0.0)
+
+
 def test_leaves_no_trace_in_gmsh():
     block_mesh(SHAPE, cells=(2, 2), comm=COMM)
     assert not gmsh.isInitialized()

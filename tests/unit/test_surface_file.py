@@ -452,6 +452,8 @@ def test_too_many_facets_are_not_even_read(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("facets", "said"),
     [
+        (FACETS + 1, "facets with points 1 to 8, allowed 0 to 7"),
+        (FACETS[:, :2], r"got facets \(12, 2\), allowed \(m, 3\)"),
         (np.array([*FACETS, (0, 0, 1)]), "facet 12 with a point twice"),
     ],
 )
