@@ -116,14 +116,14 @@ template <int d> class FacetProjection {
             for (int k = 0; k < k_; k++) factors_[c][k] = shapes.factors(k, c);
         placed_.resize(carrier.length());
         for (std::ptrdiff_t n = 0; n < carrier.length(); n++) placed_[n] = mul(frame, vector_at<d>(&carrier(n, 0)));
-        span();
+        if constexpr (d == 3) span();
     }
 
     /// Fills in gap and tangential position (g, s), m, of a point, m in the frame, and its closest point.
     void project(const Vec<d>& position, std::ptrdiff_t number, const Output<1>& place, const ClosestPoints& closest) {
         Vec<t> point, where{};
         for (int i = 0; i < t; i++) point[i] = position[1 + i];
-        const int facet = nearest_facet(point, where);
+        const int facet = over(point, where);
         const std::int64_t* nodes = nodes_of(facet);
         const Evaluated at = evaluate(where);
         std::copy_n(nodes, k_, &closest.nodes(number, 0));
@@ -257,11 +257,11 @@ template <int d> class FacetProjection {
         const Evaluated further = evaluate(outwards);
         for (int a = 0; a < k_; a++)
             for (int i = 0; i < t; i++) point[i] += further.values[a] * placed_[nodes[a]][1 + i];
-        nearest_facet(point, there);
+        over(point, there);
         return outside_by(there) <= 0;
     }
 
-    /// Takes all facets as spanned by edges.
+    /// Takes all facets as spanned by two edges.
     void span() {
         spanned_.resize(shapes_.facets.length());
         for (std::size_t facet = 0; facet < spanned_.size(); facet++) {
@@ -299,8 +299,31 @@ template <int d> class FacetProjection {
     }
 
     /// The facet that a point is on or nearest to, with its coordinates there filled in.
+    int over(const Vec<t>& point, Vec<t>& where) const {
+        if constexpr (d == 2) return facet_under(point, where);
+        else return nearest_facet(point, where);
+    }
+
+    /// The facet of chains in the plane that a point is over or nearest to, its coordinate there filled in.
+    int facet_under(const Vec<1>& point, Vec<1>& where) const {
+        const int last = static_cast<int>(shapes_.facets.length()) - 1;
+        int facet = 0;
+        while (facet < last && placed_[shapes_.facets(facet + 1, 0)][1] <= point[0]) facet++;
+        if (facet < last) {  // between two pieces of a face the nearer one
+            const double end = placed_[shapes_.facets(facet, 1)][1];
+            const double next = placed_[shapes_.facets(facet + 1, 0)][1];
+            if (next - point[0] < point[0] - end) facet++;
+        }
+        const std::int64_t* nodes = nodes_of(facet);
+        const double start = placed_[nodes[0]][1];
+        where[0] = (point[0] - start) / (placed_[nodes[1]][1] - start);
+        settle_on(facet, point, where);
+        return facet;
+    }
+
+    /// The facet in space that a point is on or nearest to, with its coordinates there filled in.
     ///
-    /// Nearness is judged on facets taken as spanned by edges; bent ones end elsewhere, so that the
+    /// Nearness is judged on facets taken as spanned by two edges; bent ones end elsewhere, so that the
     /// nearest few are tried where the first one does not hold the point.
     int nearest_facet(const Vec<t>& point, Vec<t>& where) const {
         const int count = static_cast<int>(spanned_.size()), tries = std::min(FACETS_TRIED, count);

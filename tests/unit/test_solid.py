@@ -747,7 +747,6 @@ TURNED = (FACES[0][::-1], *FACES[1:])
         (lambda: hull([[0.0, 0, 0]] * 5), "all in one plane"),
         (lambda: hull([[0.0, 0, np.nan]] * 5), "nan"),
         (lambda: Solid(parts=(cube(),)).with_mass(0.0), "mass: got 0.0"),
-        (lambda: Solid(parts=(cube(),)).with_density(-2.0), "density: got -2.0"),
         (lambda: Solid(parts=(cube(),)).rotated(np.diag([1, 1, -1])), "allowed a rotation matrix"),
         (lambda: union([]), "got no solids"),
         (lambda: union([Solid(parts=(cube(),)), Solid(parts=(square(),))]), "of the plane and of"),
