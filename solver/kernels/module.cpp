@@ -366,8 +366,8 @@ void world_counts(void* handle, double* out) {
         const auto& world = stepper.world;
         const auto& o = stepper.local.outcomes;
         const auto& c = world.counts;
-        const double all[] = {double(o.solves), double(o.warm), double(o.newton), double(o.factorizations), double(o.searched),
-                              double(o.softened), double(o.interior), double(o.failed), double(o.loose), o.loosest, double(c.outer), double(c.late),
+        const double all[] = {double(o.solves), double(o.warm), double(o.newton), double(o.factorizations), double(o.softened),
+                              double(o.failed), double(o.loose), o.loosest, double(c.outer), double(c.late),
                               double(c.widened), double(c.halved), double(c.cut), double(c.contacts), double(c.most_contacts), double(c.rungs[0]),
                               double(c.rungs[1]), double(c.rungs[2]), double(c.rungs[3]), double(c.rungs[4]), double(c.unsettled),
                               stepper.local.largest_defect, world.deepest.depth, world.deepest.time, double(world.deepest.a), double(world.deepest.b)};

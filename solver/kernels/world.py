@@ -20,7 +20,7 @@ from solver.kernels.library import library
 from solver.types import Array, Mask
 
 COUNTS = (
-    *("solves", "warm", "newton", "factorizations", "searched", "softened", "interior"),
+    *("solves", "warm", "newton", "factorizations", "softened"),
     *("failed", "loose", "loosest", "outer", "late", "widened", "halved", "cut", "contacts"),
     *("most_contacts", "rung_0", "rung_1", "rung_2", "rung_3", "rung_4"),
     *("unsettled", "largest_defect", "deepest", "deepest_at", "deepest_a", "deepest_b"),
@@ -29,7 +29,6 @@ COUNTS = (
 
 FALLBACKS = {
     "proximal": "softened",
-    "interior point": "interior",
     "velocity solve left out": "rung_4",
 }
 """Methods behind Newton's with full steps, by the counts that have them."""
