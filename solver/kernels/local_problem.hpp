@@ -36,7 +36,7 @@ template <int d> class LocalProblem {
     /// Finds impulses and motions from the impulses as guessed; false where nothing settles them.
     bool solve(I& island) {
         outcomes.solves++;
-        set_lengths(island);
+        set_compliances(island);
         island.move();
         island.factored_stamp = -1;
         if (error(island, 0) <= ENOUGH) {
@@ -126,16 +126,19 @@ template <int d> class LocalProblem {
     static constexpr double SHARP = 0.01;              // the same for forces at rest, which are to last
     static constexpr double SOFTNESS = 1e-5;           // q of the proximal term
     static constexpr double SOFT = 0.1;                // the same where Newton's method does not settle with that
+    static constexpr double HARDEST = 1e-9;            // least q, where bodies are nearly wedged
     static constexpr double MOST_HELD = 3;             // of the compliance in it, times the least in the island
     static constexpr double SOFTEST = 1e4;
-    static constexpr int FEW_STEPS = 10, STEPS = 30, PROXIMAL_ROUNDS = 40;
+    static constexpr double CONTENT = 0.003;           // times what is enough: part of the breach tolerated that is enough after a round
+    static constexpr int FEW_STEPS = 10, STEPS = 30, PROXIMAL_ROUNDS = 80;
 
     /// Whether no more than round-off is left of the law after the last look, which found an error.
     bool is_solved(double e) const { return breach_ < tolerated_breach || (e < 1e6 && breach_ < 3 * tolerated_breach); }
 
     /// The proximal point algorithm: Newton's method again and again, with the term held at the last
     /// solution, softer where that does not settle and harder from solution to solution; until the law
-    /// holds, or no more than round-off is left of it and it gets no better. Returns the error.
+    /// holds, or no longer gets much better and is broken by little: by more the longer it takes, at most by
+    /// what is tolerated. Returns the error.
     double by_proximal_point(I& island, double q, double enough) {
         double e = error(island, 0);
         for (int round = 0; round < PROXIMAL_ROUNDS && e > enough && q <= SOFTEST; round++) {
@@ -144,12 +147,13 @@ template <int d> class LocalProblem {
             save(island, anchor_);
             const bool settled = newton(island, q, solved ? FEW_STEPS : STEPS, std::min(enough, 1.0));
             e = error(island, 0);
-            if (!settled || (solved && e > before)) {
+            if (!(e < before) && (solved || !settled)) {
                 restore(island, anchor_);
                 e = error(island, 0);
             }
-            if (e > 0.5 * before && breach_ < 0.1 * tolerated_breach) break;
-            q = settled ? std::max(SOFTNESS, 0.3 * q) : 10 * q;
+            const bool stalls = e > 0.5 * before;
+            if (stalls && breach_ < std::min(1.0, enough * CONTENT * (round + 1)) * tolerated_breach) break;
+            q = settled || !stalls ? std::max(is_solved(e) ? SOFTNESS : HARDEST, 0.3 * q) : 10 * q;
         }
         return e;
     }
@@ -193,10 +197,14 @@ template <int d> class LocalProblem {
         return most;
     }
 
-    /// r: one over the diagonal of W.
-    static void set_lengths(I& island) {
+    /// r: one over the diagonal of W, normal and tangential.
+    static std::array<double, 2> lengths(const std::array<double, 2>& own) {
+        return {own[0] > 0 ? 1 / own[0] : 1, own[1] > 0 ? 1 / own[1] : 1};
+    }
+
+    /// Writes the diagonal of W.
+    static void set_compliances(I& island) {
         const std::size_t count = island.contacts.size();
-        island.length.resize(count);
         island.own.resize(count);
         island.least = {INFINITY, INFINITY};
         for (std::size_t i = 0; i < count; i++) {
@@ -205,7 +213,6 @@ template <int d> class LocalProblem {
                 double& own = island.own[i][t] = 0;
                 if (k.a >= 0) own += own_compliance(k.rows_a, island.inverse_mass[k.a], t, t ? d : 1);
                 if (k.b >= 0) own += own_compliance(k.rows_b, island.inverse_mass[k.b], t, t ? d : 1);
-                island.length[i][t] = own > 0 ? 1 / own : 1;
                 if (!k.link) island.least[t] = std::min(island.least[t], own);
             }
         }
@@ -221,7 +228,7 @@ template <int d> class LocalProblem {
         double noise = 0;
         for (std::size_t i = 0; i < count; i++) {
             C& k = *island.contacts[i];
-            const auto& r = island.length[i];
+            const std::array<double, 2> r = lengths(island.own[i]);
             k.y = island.reading(k);
             if (softness > 0)
                 for (int j = 0; j < d; j++) k.y[j] += softness * held_compliance(island, i, j > 0) * (k.impulse[j] - anchor_[i][j]);
@@ -250,7 +257,8 @@ template <int d> class LocalProblem {
         for (std::size_t i = 0; i < count; i++) {
             if (!(defect_[i] > 0)) continue;
             worst = std::max(worst, defect_[i] / (TOLERANCE * largest_[i] + ROUND_OFF * noise));
-            breach_ = std::max(breach_, defect_[i] / std::min(island.length[i][0], island.length[i][1]));
+            const auto [normal, tangential] = lengths(island.own[i]);
+            breach_ = std::max(breach_, defect_[i] / std::min(normal, tangential));
         }
         return worst;
     }
@@ -305,16 +313,17 @@ template <int d> class LocalProblem {
             Mat<d, d> J;
             LU<d> K;
             State state{};
-            const Vec<d> nearest = admissible(k, trial_[i], island.length[i], state, &J);
+            const std::array<double, 2> r = lengths(island.own[i]);
+            const Vec<d> nearest = admissible(k, trial_[i], r, state, &J);
             const int mark = static_cast<int>(state);
             // Slip in space turns its direction from iteration to iteration, and links bend.
             same = same && island.factored[i] == mark && (d == 2 || state != SLIP) && !k.link;
             island.factored[i] = mark;
             for (int a = 0; a < d; a++)
                 for (int b = 0; b < d; b++) {
-                    const double r = island.length[i][b > 0];
-                    K.a[a][b] = (a == b) - J[a][b] + J[a][b] * r * softness * held_compliance(island, i, b > 0);
-                    J[a][b] *= r;
+                    const double moved = r[b > 0] * J[a][b];
+                    K.a[a][b] = (a == b) - J[a][b] + moved * softness * held_compliance(island, i, b > 0);
+                    J[a][b] = moved;
                 }
             if (!K.factorize()) return false;
             K.solve(J);
