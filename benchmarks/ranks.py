@@ -84,6 +84,7 @@ SCENES: dict[str, dict[str, Any]] = {
         ],
         "force": [{"on": "block", "face": "left", "pressure": 500.0, "ramp": [0.0, 0.1]}],
     },
+    "neighbours": {"block": [BLOCK, BLOCK | {"name": "beside", "offset": -1.001, "friction": 0.4}]},
     "elastic on elastic": {"block": [BLOCK, TOP | {"friction": 0.05}]},
     "rigid on elastic": {"block": [BLOCK, TOP | {"friction": 0.05, "model": "rigid"}]},
     "rigid on rigid": {

@@ -30,7 +30,7 @@ The static start finds the directions of their friction to 1e-5.
 """
 
 
-ON_THREE = "frame", "stack in space"
+ON_THREE = "frame", "neighbours", "stack in space"
 """Scenes that also run on three ranks."""
 
 
@@ -63,6 +63,16 @@ def test_histories_agree(folder: Path, name: str, ranks: int) -> None:
             assert many[column] == pytest.approx(one[column], abs=limit), column
             checked += 1
     assert checked > 15
+
+
+@pytest.mark.mpi
+def test_the_neighbours_collide(folder: Path) -> None:
+    """So that what agrees is the motion after an impact, too."""
+    history = np.load(folder / "neighbours 1.npz")
+    apart = history["block.centre_x_m"] - history["beside.centre_x_m"] - WIDTH
+    assert apart[0] == pytest.approx(1e-3, abs=1e-6)
+    assert apart.min() < 1e-5
+    assert np.abs(history["beside.slip_m"]).max() > 1e-3
 
 
 @pytest.mark.mpi

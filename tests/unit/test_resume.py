@@ -51,6 +51,20 @@ damping_ratio = 0.05
 cells = { bay = 4, column = 1, deck = 1, storey = 2 }
 """
 
+BESIDE = """
+[[block]]
+name = "beside"
+offset = -0.2705
+width = 0.25
+height = 0.9
+thickness = 0.75
+mass = 450.0
+young = 5.0e10
+poisson = 0.2
+cells = [3, 5]
+"""
+"""A block beside the other one, which strikes it."""
+
 LINKS = """
 [[link]]
 name = "wire"
@@ -92,6 +106,7 @@ SCENES = {
     + SHAKEN
     + STEPS.replace("0.3", "0.1"),
     "meshed, linked": COARSE + LINKS + SHAKEN + STEPS.replace("0.3", "0.2"),
+    "meshed, neighbours": TILTED + BESIDE + SHAKEN + STEPS,
     "mixed, on platform": COARSE + UPPER + OSCILLATOR + SHAKEN + STEPS,
 }  # fmt: skip
 
@@ -119,9 +134,12 @@ def test_to_the_byte(tmp_path: Path, name: str, monkeypatch: pytest.MonkeyPatch)
     at = last_checkpoint(tmp_path / "whole")["time"]
     assert 0 < at < scene.time.end
     folder = tmp_path / "whole"
-    text, fields = (folder / "history.csv").read_bytes(), (folder / "fields.pvd").read_bytes()
+    names = "history.csv", "events.csv", "fields.pvd"
+    text, events, fields = ((folder / each).read_bytes() for each in names)
     again = simulate(scene, folder=folder, resume=True)
     assert (folder / "history.csv").read_bytes() == text
+    assert (folder / "events.csv").read_bytes() == events
+    assert (b",collision,block,beside," in events) == (name == "meshed, neighbours")
     assert again.summary["blocks"] == whole.summary["blocks"]
     for count in ("steps", "rejected_steps", "newton_iterations"):
         assert again.summary["cost"][count] == whole.summary["cost"][count]

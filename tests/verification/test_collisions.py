@@ -33,14 +33,15 @@ def test_a_plastic_impact_conserves_momentum() -> None:
 
 
 @pytest.mark.parametrize("restitution", [None, 0.95, 0.9])
-def test_a_rocking_block_keeps_what_housner_says(restitution: float | None) -> None:
+@pytest.mark.parametrize("d", [2, 3])
+def test_a_rocking_block_keeps_what_housner_says(d: int, restitution: float | None) -> None:
     """By energies a while before and after each impact: 1 - 3/2 sin(alpha)^2, or e as given."""
     block = PAPER | {"tilt_deg": 3.0} | ({"restitution": restitution} if restitution else {})
-    history = run(scene(2, block, end=1.4, friction=0.8), ledger=1e-12).history
-    spin, level, angle = (
-        history[f"block.{column}"]
-        for column in ("angular_velocity_rad_s", "centre_y_m", "angle_rad")
-    )
+    history = run(scene(d, block, end=1.4, friction=0.8), ledger=1e-12).history
+    columns = ("angular_velocity_rad_s", "centre_y_m", "angle_rad")
+    if d == 3:
+        columns = ("angular_velocity_y_rad_s", "centre_z_m", "angle_y_rad")
+    spin, level, angle = (history[f"block.{column}"] for column in columns)
     energy = spin**2 * (0.25**2 + 1) / 6 + G * (level - 0.5)
     at = np.flatnonzero(np.diff(np.sign(angle)))[:4]
     kept = np.sqrt(energy[at + 20] / energy[at - 20])

@@ -1,7 +1,7 @@
-"""Hertz's line contact: half an elastic disc pressed on rigid ground; benchmarks/hertz.py has more.
+"""Hertz's line contact: half an elastic disc pressed on rigid ground, or on an equal disc.
 
-The flat side is moved down as a whole: held so, the disc cannot roll, and the load is what contact
-answers with.
+`benchmarks/hertz.py` has more of the first. The flat side is moved down as a whole: held so, the
+disc cannot roll, and the load is what contact answers with.
 """
 
 from __future__ import annotations
@@ -12,9 +12,15 @@ import numpy as np
 import pytest
 
 from benchmarks.hertz import Disc, errors, l2
-from benchmarks.verification.hertz import HertzLine, centre_approach, contact_modulus
+from benchmarks.verification.hertz import (
+    HertzLine,
+    centre_approach,
+    contact_modulus,
+    contact_radius,
+)
 from benchmarks.verification.load_steps import Tractions, contact_tractions, shifted, support_load
-from benchmarks.verification.pressed_disc import disc_on_ground
+from benchmarks.verification.load_steps import pressed as pressed_by
+from benchmarks.verification.pressed_disc import disc_on_disc, disc_on_ground
 from solver.scene.material import Material
 
 pytestmark = pytest.mark.serial
@@ -67,6 +73,28 @@ def test_peak_pressure_and_half_width(points):
     assert np.abs(closed).max() == pytest.approx(hertz.half_width, rel=0.06)  # +- one facet
     assert error(found, hertz) < 0.03
     np.testing.assert_allclose(found.pressure, found.pressure[::-1], atol=1e-6 * MODULUS)
+
+
+@pytest.mark.parametrize(("lower", "l2_error"), [(20, 0.02), (17, 0.03), (12, 0.035)])
+def test_two_equal_elastic_discs(lower: int, l2_error: float) -> None:
+    """Matching facets and others, 20 of the disc whose nodes are the points: peak within 3 %."""
+    half, body = 0.01 * RADIUS, (YOUNG, POISSON)
+    material = Material(young=YOUNG, poisson=POISSON, density=1.0)
+    stepper = disc_on_disc(material, radius=RADIUS, half_width=half, facets=(20, lower))
+    load = np.pi * MODULUS * half**2 / (4 * RADIUS)
+    both = HertzLine(
+        load=load, radius=contact_radius(RADIUS, RADIUS), modulus=contact_modulus(body, body)
+    )
+    assert both.half_width == pytest.approx(half)
+
+    def approach(load: float) -> float:
+        """Each disc gives way as on rigid ground under the same load."""
+        return 2 * centre_approach(HertzLine(load=load, radius=RADIUS, modulus=MODULUS))
+
+    found = next(pressed_by(stepper, [load], approach=approach))
+    assert found.pressure.max() == pytest.approx(both.peak_pressure, rel=0.03)
+    assert found.half_width == pytest.approx(both.half_width, rel=0.005)
+    assert error(found, both) < l2_error
 
 
 @pytest.mark.slow

@@ -153,7 +153,8 @@ def test_pairs_of_a_lintel_at_rest(dimension: int, tmp_path: Path) -> None:
     for row in (0, -1):
         a, b = (known[name, "lintel"]["normal_N"][row] for name in "ab")
         assert a + b == pytest.approx(weight, rel=1e-9)
-        assert b > a
+        arms = [known[name, "lintel"]["x_m"][row] - 0.2 for name in "ab"]
+        assert a * arms[0] + b * arms[1] == pytest.approx(0.0, abs=1e-9 * weight)
         assert known["a", "foundation"]["normal_N"][row] == pytest.approx(weight + a, rel=1e-9)
         assert known["b", "foundation"]["normal_N"][row] == pytest.approx(weight + b, rel=1e-9)
     pushes = 0.0
@@ -238,6 +239,25 @@ def test_a_block_lands_on_another_one() -> None:
     assert result.summary["first_collision"]["between"] == ["up", "low"]
     assert result.summary["largest_pounding"] is None
     assert result.summary["collapse"] == []
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_what_falls_from_a_block_lands_on_the_platform_and_rests(dimension: int) -> None:
+    """Dropped on the edge of a block on a platform that sways: on the one, then on the other."""
+    place = [0.25, *[0.0] * (dimension - 2), 1.2]
+    falling = {"name": "up", "width": 0.2, "height": 0.3, "mass": 50.0, "position": place}
+    foundation = {"kind": "oscillator", "mass": 500.0, "period": 0.5, "damping_ratio": 0.05}
+    motion = {"kind": "sine", "amplitude_g": 0.3, "period": 0.6, "cycles": 2}
+    more: dict[str, Any] = {"dimension": dimension, "foundation": foundation, "motion": motion}
+    result = run({"name": "low"}, falling, time={"end": 4.0}, **more)
+    met = [event.meets for event in events_of(result, "landing") if event.block == "up"]
+    assert met[0] == "low" and met[-1] == "foundation"
+    history = result.history
+    height, force = (f"up.centre_{'yz'[dimension - 2]}_m", "up.normal_force_N")
+    rests = history["time_s"] > 3.5
+    np.testing.assert_allclose(history[height][rests], 0.15, atol=1e-9)
+    np.testing.assert_allclose(history[force][rests], 50 * G, rtol=1e-9)
+    assert result.summary["deepest_penetration_m"] < 1e-9 * 0.2
 
 
 def test_a_lintel_falls_when_it_is_off_both_posts() -> None:
