@@ -155,7 +155,8 @@ template <int d> class Stepper {
         if (!at_once) finish(step);
         Piece<d> rest = at_once ? piece : piece.rest(length);
         rest.cuts--;
-        if (touches) collide(depth + 1, members, rest.begin);
+        // Without the jump the same contacts strike again at once: what is left of the step takes it.
+        if (touches && !collide(depth + 1, members, rest.begin)) rest = rest.whole();
         return length == piece.dt || advance(depth + 1, members, rest);
     }
 
@@ -181,14 +182,15 @@ template <int d> class Stepper {
         return !(rest.dt > AT_END * piece.dt) || advance(depth + 1, members, rest);
     }
 
-    /// Gives the velocities of some bodies a jump where contacts that touch come together.
-    void collide(int depth, const std::vector<int>& members, double when) {
+    /// Gives the velocities of some bodies a jump where contacts that touch come together; false where it is not found.
+    bool collide(int depth, const std::vector<int>& members, double when) {
         Step<d>& step = step_at(depth);
         step.begin(world, members, {when, 0, {}, 0});
         step.set_out(world);
         search_.find(step);
-        impact_.collide(step);
+        const bool found = impact_.collide(step);
         share_impulses(world, step);
+        return found;
     }
 
     double smallest_ = 0;  // length of steps that are not divided, s

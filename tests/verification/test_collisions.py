@@ -37,7 +37,13 @@ HOUSNER = 1 - 1.5 * 0.0625 / 1.0625
 
 
 def kept_by_impacts(history: History, d: int, base: float = 0.0) -> Array:
-    """What each of four impacts of the paper's block on a base, m, leaves, by energies a while before and after."""
+    """What each of four impacts of the paper's block leaves, by energies a while before and after.
+
+    Args:
+        history: Of the run.
+        d: Dimensions.
+        base: Height on which it rocks, m.
+    """
     columns = ("angular_velocity_rad_s", "centre_y_m", "angle_rad")
     if d == 3:
         columns = ("angular_velocity_y_rad_s", "centre_z_m", "angle_y_rad")
@@ -62,10 +68,13 @@ BRICK = {"model": "rigid", "width": 0.4, "height": 0.2, "thickness": 0.75, "dens
 
 @pytest.mark.parametrize(("count", "courses"), [(14, 1), (8, 3)])
 def test_a_block_that_rocks_on_a_wall_keeps_what_housner_says(count: int, courses: int) -> None:
-    """As on the ground: the bricks touch each other and belong to one group, but only the block moves."""
+    """As on the ground: its bricks touch each other and are one group, but only the block moves."""
     bricks = [
         BRICK
-        | {"name": f"c{course}b{k}", "position": [0.4 * (k + 0.5 * (course % 2)), 0.2 * (course + 0.5)]}
+        | {
+            "name": f"c{course}b{k}",
+            "position": [0.4 * k + 0.2 * (course % 2), 0.2 * (course + 0.5)],
+        }
         for course in range(courses)
         for k in range(count)
     ]
