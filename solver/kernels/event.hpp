@@ -1,6 +1,8 @@
 // Events inside a step: a touch, an end of slip, a fracture.
 #pragma once
 
+#include <set>
+
 #include "step.hpp"
 
 namespace rockslip {
@@ -56,6 +58,17 @@ template <int d> bool has_event(const World<d>& world, const Step<d>& step, cons
 template <int d> bool has_event(const World<d>& world, const Step<d>& step) {
     const auto happens = [&](const Contact<d>& k) { return has_event(world, step, k); };
     return std::any_of(step.contacts.begin(), step.contacts.end(), happens) || std::any_of(step.links.begin(), step.links.end(), happens);
+}
+
+/// How many bodies move at one of their contacts faster than weight accelerates in half of the step.
+template <int d> int moving_bodies(const World<d>& world, const Step<d>& step) {
+    std::set<int> moving;
+    for (const Contact<d>& k : step.contacts) {
+        if (!(norm(step.moved(k, step.begun)) > step.piece.dt * step.pull)) continue;
+        for (int b : {k.feature.point_body, k.feature.face_body})
+            if (world.bodies[b].moves()) moving.insert(b);
+    }
+    return static_cast<int>(moving.size());
 }
 
 /// Whether a link breaks in a step.

@@ -24,16 +24,19 @@ template <int d> class Impact {
   public:
     Impact(World<d>& world, LocalProblem<d>& local) : world_(world), local_(local) {}
 
-    /// Gives the velocities a jump where contacts of a step without length come together, and books it.
-    void collide(Step<d>& step) {
+    /// Gives the velocities a jump where contacts of a step without length come together, and books it; false where
+    /// there is an island whose jump is not found.
+    bool collide(Step<d>& step) {
         for (C& k : step.contacts) {
             k.closed = k.gap <= LANDING * world_.size;
             k.end_gap = k.gap;
         }
         step.islands.gather(world_.bodies, step.members, {&step.contacts}, [](const C& k) { return k.closed; });
-        for (Island<d>& island : step.islands) strike(step, island);
+        bool found = true;
+        for (Island<d>& island : step.islands) found &= strike(step, island);
         for (const C& k : step.contacts)
             if (k.closed && k.impulse[0] > 0) remember(k);
+        return found;
     }
 
   private:
@@ -49,8 +52,8 @@ template <int d> class Impact {
         record = {k.id, {}, {}, {}, k.gap, true, {rate, rate > 0, broken}, world_.number};
     }
 
-    /// The impact of an island.
-    void strike(const Step<d>& step, Island<d>& island) {
+    /// The impact of an island; false where it is not found.
+    bool strike(const Step<d>& step, Island<d>& island) {
         start_instant(world_, step, island);
         velocity_ = island.w;
         island.free = island.w;
@@ -65,7 +68,8 @@ template <int d> class Impact {
             k.mode = FrictionMode::LAW;
             k.bound = bound_at_start(*k.law, k.past, 0);
         }
-        if (!approaching || !settle(island)) return;
+        if (!approaching) return true;
+        if (!settle(island)) return false;
         if (rebounding) rebound(step, island);
         island.move();
         double lost = 0, normal = 0;
@@ -80,6 +84,7 @@ template <int d> class Impact {
         world_.ledger.book(lost, friction_share(lost - normal, lost, 0));
         take_velocities(world_, step, island);
         record_collisions(step, island);
+        return true;
     }
 
     /// Impulses of an impact from none, with the friction of the slip that they leave.

@@ -46,7 +46,7 @@ template <int d> class Stepper {
   private:
     static constexpr int CUTS = 5, MOST_WIDENED = 3;
     static constexpr int MOST_ROUGH = 16;      // parts of a step in which halves do not help
-    static constexpr int LARGEST_CUT = 12;     // bodies of a group that is cut where nothing rebounds
+    static constexpr int LARGEST_CUT = 12;     // bodies that move in a group that is cut where nothing rebounds
     static constexpr double FRACTURE = 1e-6;   // of the strength of a link, where events before change the instant
 
     /// Steps some bodies; where that needs it, in groups and in pieces.
@@ -78,10 +78,10 @@ template <int d> class Stepper {
         return true;
     }
 
-    /// True if a group is stepped to the instant at which something happens. For many bodies that is
-    /// dear, and for plastic impacts of first order without.
+    /// True if a group is stepped to the instant at which something happens. Where many bodies move, something
+    /// happens in every step: there that is dear, and plastic impacts are of first order without.
     bool is_cut(const Step<d>& step) const {
-        if (static_cast<int>(step.members.size()) <= LARGEST_CUT || has_fracture(world, step)) return true;
+        if (moving_bodies(world, step) <= LARGEST_CUT || has_fracture(world, step)) return true;
         return std::any_of(step.contacts.begin(), step.contacts.end(), [&](const Contact<d>& k) {
             return k.law->restitution > 0 && strikes(world, step, k, step.pull);
         });
@@ -155,7 +155,8 @@ template <int d> class Stepper {
         if (!at_once) finish(step);
         Piece<d> rest = at_once ? piece : piece.rest(length);
         rest.cuts--;
-        if (touches) collide(depth + 1, members, rest.begin);
+        // Without the jump the same contacts strike again at once: what is left of the step takes it.
+        if (touches && !collide(depth + 1, members, rest.begin)) rest = rest.whole();
         return length == piece.dt || advance(depth + 1, members, rest);
     }
 
@@ -181,14 +182,15 @@ template <int d> class Stepper {
         return !(rest.dt > AT_END * piece.dt) || advance(depth + 1, members, rest);
     }
 
-    /// Gives the velocities of some bodies a jump where contacts that touch come together.
-    void collide(int depth, const std::vector<int>& members, double when) {
+    /// Gives the velocities of some bodies a jump where contacts that touch come together; false where it is not found.
+    bool collide(int depth, const std::vector<int>& members, double when) {
         Step<d>& step = step_at(depth);
         step.begin(world, members, {when, 0, {}, 0});
         step.set_out(world);
         search_.find(step);
-        impact_.collide(step);
+        const bool found = impact_.collide(step);
         share_impulses(world, step);
+        return found;
     }
 
     double smallest_ = 0;  // length of steps that are not divided, s
