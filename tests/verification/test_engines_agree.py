@@ -185,9 +185,9 @@ def pairs(engine: str, name: str) -> list[tuple[Column, str, str]]:
     for column in TABLE:
         if column.dimension == 3 or column.name in OF_THE_METHOD:
             continue
-        if column.needs in ("second", "structure") or column.part in ("link", "foot"):
+        if column.needs or column.part in ("storey", "column", "link", "foot"):
             continue  # none of these scenes has any
-        if column.needs == "vertical" or (column.needs == "platform" and name != "oscillator"):
+        if column.part in ("platform", "foundation") and name != "oscillator":
             continue
         others = (column.name,)
         if engine == "space":
