@@ -150,6 +150,7 @@ template <int d> int run(Stepper<d>& stepper, int steps, double dt, double small
             world.forces[f].start = read<d>(start);
             world.forces[f].end = read<d>(end);
         }
+        world.pairs.told = world.pairs.wanted && (world.pairs.every || i + 1 == steps);
         if (!stepper.step(dt, smallest, motion)) return i;
         const auto row = static_cast<std::size_t>(i);
         write_state(stepper, of_bodies + STATE<d> * world.bodies.size() * row, of_steps + TOTALS<d> * row);
@@ -273,12 +274,15 @@ int world_run(void* handle, int steps, double dt, double smallest, const double*
     return with_stepper(handle, [&](auto& stepper) { return run(stepper, steps, dt, smallest, ground, shift, forces, of_bodies, of_steps, of_links, of_parts, of_pairs); });
 }
 
-/// From here on what pairs of bodies do to one another is told.
-void world_tell_pairs(void* handle) {
-    with(handle, [](auto& world) { world.pairs.told = true; });
+/// From here on what pairs of bodies do to one another is told, of every step of a run or of its last one.
+void world_tell_pairs(void* handle, int every) {
+    with(handle, [&](auto& world) {
+        world.pairs.wanted = true;
+        world.pairs.every = every;
+    });
 }
 
-/// Writes the pairs of the steps of the last run; returns how many numbers that takes, and only that without room.
+/// Writes the pairs of the steps of the last run that tell them; returns how many numbers that takes, and only that without room.
 long world_pairs(void* handle, double* out) {
     const std::vector<double>& pairs = static_cast<Handle*>(handle)->pairs;
     if (out) std::copy(pairs.begin(), pairs.end(), out);

@@ -467,12 +467,15 @@ class World:
         self._library.world_collisions(self._handle, _place(out))
         return [Collision.read(d, row) for row in out]
 
-    def tell_pairs(self) -> None:
-        """Tell from here on what pairs of bodies do to one another."""
-        self._library.world_tell_pairs(self._handle)
+    def tell_pairs(self, *, every: bool) -> None:
+        """Tell from here on what pairs of bodies do in every step of a run, or in its last one.
+
+        Slips are those of the steps that are told.
+        """
+        self._library.world_tell_pairs(self._handle, int(every))
 
     def pairs(self) -> Array:
-        """The pairs that have ever touched, after each step of the last run.
+        """The pairs that have ever touched, after the steps of the last run that tell them.
 
         Rows of the number of the step, both bodies (the lower number first), points that touch,
         normal force and friction on the first (N; d - 1 numbers), gap (m), what the first has

@@ -55,6 +55,8 @@ class RigidRun:
         self._motion = ground or read_ground(scene)
         self._at_once = 1
         self._system = RigidSystem(scene)
+        if scene.output.pairs or scene.output.fields != "none":
+            self._system.tell_pairs(every=scene.output.pairs)
         # What the scene does not have gets no columns in its history.
         self._run_columns = positions("run", scene.dimension)
         self._columns = [self._system.columns.index(name) for name in scene_columns(scene)]
@@ -62,8 +64,6 @@ class RigidRun:
         self._now = 0.0
         self._row: Array | None = None
         """The last row, unless the history holds it."""
-        self._last_pairs: Array = np.empty((0, 0))
-        """And its pairs."""
         self._pairs: PairTable | None = None
         self._unsettled = 0
         self._largest_defect = 0.0
@@ -84,7 +84,6 @@ class RigidRun:
             "system": self._system.saved(),
             "counts": (self._steps, self._rejected, self._iterations),
             "row": self._row,
-            "pairs": self._last_pairs,
             "unsettled": (self._unsettled, self._largest_defect),
         }
 
@@ -93,7 +92,6 @@ class RigidRun:
         self._system.restore(saved["system"])
         self._steps, self._rejected, self._iterations = saved["counts"]
         self._now, self._row = self._steps * self._scene.time.step, saved["row"]
-        self._last_pairs = saved["pairs"]
         self._unsettled, self._largest_defect = saved["unsettled"]
 
     def loop(self, context: RunContext) -> tuple[str, str]:
@@ -104,7 +102,7 @@ class RigidRun:
         if self._scene.output.pairs:
             self._pairs = context.files.open_pairs(self._system.body_names)
             if not self._steps:
-                self._pairs.add(np.zeros(1), self._system.first_pairs)
+                self._pairs.add(np.zeros(1), self._system.pairs)
         while self._steps < total and not reason:
             reason = context.stopped(self._steps * span.step)
             if reason:
@@ -124,7 +122,7 @@ class RigidRun:
         if self._row is not None:
             context.history.append(self._row)
             self._row = None
-            self._tell_pairs(np.array([self._now]), self._last_pairs)
+            self._tell_pairs(np.array([self._now]), self._system.pairs)
         context.files.snapshot(self._now)
         return status, reason
 
@@ -200,18 +198,15 @@ class RigidRun:
         if len(rows):
             self._now = float(outcome.rows[-1, self._run_columns.time_s])
             self._row = None if kept[-1] else rows[-1]
-            last = np.arange(len(rows)) == len(rows) - 1
-            self._tell_pairs(outcome.rows[:, self._run_columns.time_s], outcome.pairs, kept)
-            self._last_pairs = kept_pairs(outcome.pairs, last & ~kept)
-            if len(self._last_pairs):
-                self._last_pairs[:, 0] = 0
+            times, pairs = outcome.rows[:, self._run_columns.time_s], outcome.pairs
+            self._tell_pairs(times, kept_pairs(pairs, kept))
         self._unsettled += outcome.unsettled
         self._largest_defect = max(self._largest_defect, self._system.largest_defect)
 
-    def _tell_pairs(self, times: Array, pairs: Array, kept: Array | None = None) -> None:
-        """Write the pairs of all steps, or of those that are kept, where they are told."""
+    def _tell_pairs(self, times: Array, pairs: Array) -> None:
+        """Write pairs at times, s, where they are told."""
         if self._pairs is not None:
-            self._pairs.add(times, pairs if kept is None else kept_pairs(pairs, kept))
+            self._pairs.add(times, pairs)
 
     def _advance(self, count: int, step: float, ground: tuple[Array, Array] | None) -> Advance:
         """Run so many steps of length `step`; `ground`: accelerations at their ends, mean ones."""
