@@ -41,7 +41,7 @@ class ContactFields:
 
     def write(self, time: float, pairs: Array) -> None:
         """Write pairs as `World.pairs` has them after one step, which ends at a time, s."""
-        known = dict(zip(self._columns, pairs[:, 4:].T, strict=True))
+        known = {name: pairs[:, 4 + k] for k, name in enumerate(self._columns)}
         force, normal_force = force_on_first(known), known["normal_N"]
         friction = [known[name] for name in FRICTION if name in known]
         acts = np.any(force != 0, axis=1)

@@ -27,7 +27,7 @@ from solver.scene import Scene
 from solver.scene.output import CheckpointSpec
 from solver.scene.reader import differing
 
-FORMAT = 22
+FORMAT = 23
 """Version of the layout of the file."""
 
 NAME = "checkpoint.npz"

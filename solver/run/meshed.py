@@ -62,9 +62,12 @@ class MeshedRun:
         names = scene_columns(scene)
         self._observer = Observer(self.assembly, self.state, names, scene.links)
         self._pairs: PairObserver | None = None
-        if len(scene.blocks) > 1 or scene.output.pairs or scene.blocks[0].position is not None:
+        told = scene.output.pairs or scene.output.fields != "none"
+        if told or len(scene.blocks) > 1 or scene.blocks[0].position is not None:
             self._pairs = PairObserver(scene, self.assembly)
-            self._stepper.tells_pushes = "all" if scene.output.pairs else "meetings"
+            self._stepper.tells_pushes = "all" if told else "meetings"
+        self._last = Exchange(), scene.time.step
+        """What the last step exchanged, and its length, s."""
         self._table: PairTable | None = None
         self._pair_rows: Array | None = None
         self._steps = self._iterations = 0
@@ -101,6 +104,11 @@ class MeshedRun:
         from solver.fields.meshed_snapshots import Snapshots
 
         return Snapshots(self, folder, self._scene, before)
+
+    def pairs(self) -> Array:
+        """What pairs of bodies did in the last step, as `World.pairs` of one step; collective."""
+        assert self._pairs is not None
+        return self._pairs.rows(self.state, *self._last)
 
     def saved(self) -> dict[str, Any]:
         """State of the run, for `resume`."""
@@ -221,10 +229,11 @@ class MeshedRun:
         met: Sequence[Meeting] = ()
         if self._pairs is not None:
             met = self._pairs.step(self.state, new, exchange)
-            if self._table is not None:
-                self._pair_rows = self._pairs.rows(new, exchange, dt)
+        self._last = exchange, dt
         happened = self._observer.link_events(self.state, new)
         self.state = new
+        if self._table is not None:
+            self._pair_rows = self.pairs()
         self._steps += 1
         self._iterations += exchange.iterations
         self._coarse += is_coarse
