@@ -41,7 +41,7 @@ class SteppedRun(Protocol):
 
 
 class Snapshots:
-    """Displacement, velocity, stress and contact of all bodies; collective."""
+    """Displacement, velocity, stress and contact of all bodies, and links; collective."""
 
     def __init__(
         self, run: SteppedRun, folder: Path, scene: Scene, before: FieldsBefore | None = None

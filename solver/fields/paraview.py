@@ -137,9 +137,7 @@ def write_script(folder: Path, scene: Scene, *, stress: bool) -> None:
     edges = all(b.model != "rigid" or b.shape.solid is None for b in scene.blocks)
     text = SCRIPT.substitute(
         look="Surface With Edges" if edges else "Surface",
-        clear=""
-        if stress or not spatial
-        else "shown.Opacity = 0.6  # forces act where bodies are\n",
+        clear="" if stress or not spatial else "shown.Opacity = 0.6  # for the arrows in them\n",
         links="shown.LineWidth = 3.0  # of links" if scene.links else "",
         half_floor=repr(half_floor(scene)),
         level=repr(floor_level(scene)),

@@ -108,7 +108,9 @@ def test_forces_are_those_of_the_pairs_also_where_a_run_goes_on(
                 names, force = names[::-1], -force
             own = points["body"] == numbers[names[0]]
             assert np.count_nonzero(own) == np.any(force)
-            for vector, normal in zip(points["force"][own], points["normal_force"][own]):
+            for vector, normal in zip(
+                points["force"][own], points["normal_force"][own], strict=True
+            ):
                 np.testing.assert_allclose(vector[:dimension], force, rtol=1e-9, atol=1e-9)
                 assert normal == pytest.approx(columns["normal_N"][row], rel=1e-9)
                 seen += 1
