@@ -65,7 +65,6 @@ class MeshedRun:
         told = scene.output.pairs or scene.output.fields != "none"
         if told or len(scene.blocks) > 1 or scene.blocks[0].position is not None:
             self._pairs = PairObserver(scene, self.assembly)
-            self._stepper.tells_pushes = "all" if told else "meetings"
         self._last = Exchange(), scene.time.step
         """What the last step exchanged, and its length, s."""
         self._table: PairTable | None = None
