@@ -17,6 +17,7 @@ from solver.build.assembly import Assembly
 from solver.contact.body_points import NitschePoints
 from solver.contact.memory import Memory
 from solver.contact.pairs import Link
+from solver.fields.contacts import ContactFields
 from solver.fields.functions import BodyFunctions, part_of
 from solver.fields.ground import platform_corners
 from solver.fields.links import LinkFields
@@ -35,9 +36,12 @@ class SteppedRun(Protocol):
     assembly: Assembly
     state: State
 
+    def pairs(self) -> Array:
+        """What pairs of bodies did in the last step, as `World.pairs` of one step; collective."""
+
 
 class Snapshots:
-    """Displacement, velocity, stress and contact of all bodies; collective."""
+    """Displacement, velocity, stress and contact of all bodies, and links; collective."""
 
     def __init__(
         self, run: SteppedRun, folder: Path, scene: Scene, before: FieldsBefore | None = None
@@ -46,7 +50,9 @@ class Snapshots:
         system = run.assembly.stepper.system
         writes = system.comm.rank == 0
         files = PvdFiles(folder, before or FieldsBefore(), writes=writes)
-        self._bodies: list[MeshedFields | RigidFields | HeldFields | MeshedLinks] = []
+        self._bodies: list[
+            MeshedFields | RigidFields | HeldFields | MeshedContacts | MeshedLinks
+        ] = []
         for number, body in enumerate(system.bodies):
             if isinstance(body, ElasticBody):
                 self._bodies.append(MeshedFields(run, number, body, files))
@@ -65,6 +71,7 @@ class Snapshots:
         held = run.assembly.support.held
         if held is not None:
             self._bodies.append(HeldFields(held, files))
+        self._bodies.append(MeshedContacts(run, ContactFields(scene, files)))
         if scene.links:
             self._bodies.append(MeshedLinks(run, LinkFields(scene, files)))
         files.begin()
@@ -205,6 +212,18 @@ class HeldFields:
     def write(self, time: float) -> None:
         """Write the plate."""
         self._writer.write(time, *self._functions.arrays())
+
+
+class MeshedContacts:
+    """The forces between the bodies of a run."""
+
+    def __init__(self, run: SteppedRun, points: ContactFields):
+        """Take the run, and the writer of points."""
+        self._run, self._points = run, points
+
+    def write(self, time: float) -> None:
+        """Write the forces; collective."""
+        self._points.write(time, self._run.pairs())
 
 
 class MeshedLinks:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from string import Template
 
+from solver.fields.contacts import LONGEST, arrow_of_weight, largest_weight
 from solver.fields.ground import floor_level, half_floor
 from solver.scene import Scene
 
@@ -12,7 +13,9 @@ SCRIPT = Template('''\
 """Opens this run in ParaView: paraview --script=open_in_paraview.py
 
 All bodies are drawn true to scale (displacement added to the mesh, factor 1),
-$coloured, above the floor. Press play.
+$coloured, above the floor.
+Arrows are contact forces; no larger ones are drawn than of $longest times the largest weight.
+Press play.
 A film: pvpython open_in_paraview.py film.avi (or film.png: a picture of each time)
 """
 
@@ -21,13 +24,16 @@ from pathlib import Path
 
 from paraview.simple import (
     AnnotateTime,
+    Calculator,
     ColorBy,
+    ExtractBlock,
     GetActiveCamera,
     GetActiveView,
     GetActiveViewOrCreate,
     GetAnimationScene,
     GetColorTransferFunction,
     GetScalarBar,
+    Glyph,
     Line,
     OpenDataFile,
     Plane,
@@ -41,6 +47,7 @@ from paraview.simple import (
 # ParaView does not always tell a script where it lies: then look into the current folder
 here = Path(globals().get("__file__", "open_in_paraview.py")).resolve().parent
 HALF_FLOOR, LEVEL = $half_floor, $level  # m
+WEIGHT, ARROW = $weight, $arrow  # the largest weight, N, and the length of its arrow, m
 DARK = [0.15, 0.15, 0.15]
 
 fields = OpenDataFile(str(here / "fields.pvd"))
@@ -57,8 +64,17 @@ bodies = WarpByVector(Input=fields, Vectors=["POINTS", "displacement"], ScaleFac
 shown = Show(bodies, view)
 shown.Representation = "$look"
 shown.EdgeColor = [0.35, 0.35, 0.35]
-$links
+$clear$links
 $colours
+
+contacts = ExtractBlock(Input=fields, Selectors=["//contacts"])
+drawn = Calculator(Input=contacts, AttributeType="Point Data", ResultArrayName="drawn")
+drawn.Function = f"force*min(1, {$longest * WEIGHT}/max(mag(force), 1e-300))"
+arrows = Glyph(Input=drawn, GlyphType="Arrow", GlyphMode="All Points", ScaleFactor=ARROW / WEIGHT)
+arrows.OrientationArray = arrows.ScaleArray = ["POINTS", "drawn"]
+forces = Show(arrows, view)
+forces.ColorArrayName = [None, ""]
+forces.AmbientColor = forces.DiffuseColor = [0.16, 0.66, 1.0]
 
 $floor
 ground = Show(floor, view)
@@ -121,6 +137,7 @@ def write_script(folder: Path, scene: Scene, *, stress: bool) -> None:
     edges = all(b.model != "rigid" or b.shape.solid is None for b in scene.blocks)
     text = SCRIPT.substitute(
         look="Surface With Edges" if edges else "Surface",
+        clear="" if stress or not spatial else "shown.Opacity = 0.6  # for the arrows in them\n",
         links="shown.LineWidth = 3.0  # of links" if scene.links else "",
         half_floor=repr(half_floor(scene)),
         level=repr(floor_level(scene)),
@@ -128,6 +145,9 @@ def write_script(folder: Path, scene: Scene, *, stress: bool) -> None:
         colours=BY_STRESS if stress else BY_BODY,
         camera=CAMERA_3D if spatial else 'view.InteractionMode = "2D"',
         floor=PLANE if spatial else LINE,
+        weight=repr(largest_weight(scene)),
+        arrow=repr(arrow_of_weight(scene)),
+        longest=f"{LONGEST:g}",
         grey=[0.85, 0.85, 0.85] if spatial else [0.2, 0.2, 0.2],
     )
     (folder / "open_in_paraview.py").write_text(text, encoding="utf-8")

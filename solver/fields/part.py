@@ -70,7 +70,7 @@ def rigid_fields(displacement: Array, velocity: Array) -> dict[str, Values]:
     """The fields of a rigid body at its corners, by the motion of these, (n, d), m and m/s.
 
     Displacements are places in the ground frame minus those where it stands upright. Contact
-    pressure is zero: a rigid body has contact forces, but they have no place on it.
+    pressure is zero: the forces of contact are points of their own (`solver.fields.contacts`).
     """
     return {
         "displacement": in_space(displacement),

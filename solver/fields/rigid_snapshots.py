@@ -8,6 +8,7 @@ import numpy as np
 
 from geometry.arrangement import Pose, level
 from geometry.skin import faces_of
+from solver.fields.contacts import ContactFields
 from solver.fields.ground import platform_corners
 from solver.fields.links import LinkFields
 from solver.fields.paraview import write_script
@@ -20,7 +21,7 @@ from solver.types import Array
 
 
 class RigidSnapshots:
-    """Displacement and velocity of all blocks and of the platform."""
+    """Displacement and velocity of all blocks and of the platform, contact forces, links."""
 
     def __init__(
         self,
@@ -46,6 +47,7 @@ class RigidSnapshots:
         self._platform = None
         if scene.has_platform:
             self._platform = files.body("platform", one_cell(platform_corners(scene)))
+        self._contacts = ContactFields(scene, files)
         self._links = LinkFields(scene, files) if scene.links else None
         files.begin()
         if writes:
@@ -66,6 +68,7 @@ class RigidSnapshots:
             moved = frames[GROUND].place, np.append(self._bodies.drift_velocity, 0.0)
             fields = rigid_fields(*(np.tile(each, (2 ** len(each), 1)) for each in moved))
             self._platform.write(time, fields, {})
+        self._contacts.write(time, self._bodies.pairs)
         if self._links is not None:
             self._links.write(time, self._links.ends_by(frames), self._bodies.link_numbers)
 

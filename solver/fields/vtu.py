@@ -146,11 +146,16 @@ class PieceSeries:
     """
 
     def __init__(self, index: PvdFiles, part: Part, number: int, name: str, stem: str):
-        """Prepare what does not change; the stem and a number are the names of the pieces."""
-        self._index, self._part, self._number, self._name = index, part, number, name
+        """Take the first mesh; the stem and a number are the names of the pieces."""
+        self._index, self._number, self._name = index, number, name
         self._stem, self._count = stem, 0
+        self.renew(part)
+
+    def renew(self, part: Part) -> None:
+        """Take the mesh of the pieces from here on."""
+        self._part = part
         mesh = part.gathered(part.points), part.gathered(part.nodes)
-        self._piece = PieceWriter(*mesh, part.kind) if index.writes else None
+        self._piece = PieceWriter(*mesh, part.kind) if self._index.writes else None
 
     def write(self, time: float, nodal: Mapping[str, Values], means: Mapping[str, Values]) -> None:
         """Write fields at the nodes and in the cells of the part, by their names, at a time, s.

@@ -48,7 +48,9 @@ template <int d> struct TouchingPair {
 
 /// Pairs that have ever touched, in their order.
 template <int d> struct TouchingPairs {
-    bool told = false;  // whether they are followed at all
+    bool wanted = false;  // whether they are told at all
+    bool every = false;   // after every step of a run, not just the last one
+    bool told = false;    // whether this step follows them
     std::vector<TouchingPair<d>> all;
 
     /// The pair of two bodies, made where it is not there.

@@ -403,12 +403,15 @@ class World:
         width = _room(_collision_widths(self._d))
         return [Collision.read(self._d, row) for row in told.reshape(-1, width)]
 
-    def tell_pairs(self) -> None:
-        """Tell from here on what pairs of bodies do to one another."""
-        self._library.world_tell_pairs(self._held)
+    def tell_pairs(self, *, every: bool) -> None:
+        """Tell from here on what pairs of bodies do in every step of a run, or in its last one.
+
+        Slips are those of the steps that are told.
+        """
+        self._library.world_tell_pairs(self._held, every)
 
     def pairs(self) -> Array:
-        """The pairs that have ever touched, after each step of the last run.
+        """The pairs that have ever touched, after the steps of the last run that tell them.
 
         Rows of the number of the step, both bodies (the lower number first), points that touch,
         normal force and friction on the first (N; d - 1 numbers), gap (m), what the first has

@@ -146,8 +146,12 @@ void world_begin(AnyStepper& held, Array<2> laws, Indices<2> law_of, Indices<1> 
     });
 }
 
-void world_tell_pairs(AnyStepper& held) {
-    with(held, [](auto& world) { world.pairs.told = true; });
+/// From here on what pairs of bodies do to one another is told, of every step of a run or of its last one.
+void world_tell_pairs(AnyStepper& held, bool every) {
+    with(held, [&](auto& world) {
+        world.pairs.wanted = true;
+        world.pairs.every = every;
+    });
 }
 
 // ---- steps
@@ -206,6 +210,7 @@ std::tuple<std::int64_t, std::vector<double>> world_run(AnyStepper& held, double
                     world.forces[f].start = vector_in<d>(forces[i][0][static_cast<std::ptrdiff_t>(f)]);
                     world.forces[f].end = vector_in<d>(forces[i][1][static_cast<std::ptrdiff_t>(f)]);
                 }
+                world.pairs.told = world.pairs.wanted && (world.pairs.every || i + 1 == of_steps.length());
                 if (!stepper.step(dt, smallest, motion)) break;
                 write_state(stepper, {of_bodies[i], of_steps[i], of_links[i], of_parts[i]});
                 if (world.pairs.told) write_pairs(world, pairs, i, dt);

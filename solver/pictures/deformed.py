@@ -17,11 +17,12 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter
 
 from solver.errors import EnvironmentTrouble
+from solver.fields.contacts import arrow_of_weight
 from solver.fields.ground import floor_level
 from solver.fields.part import in_space
 from solver.pictures.links import LOOKS, LinkFrames, legend_handles, links_of, states_in
 from solver.pictures.meshes import EDGE_NORMALS, EDGES, SHARP, bodies_of, polygons, stress_of
-from solver.pictures.renderer import Renderer, arrow_of_weight, bars, display, in_view
+from solver.pictures.renderer import Renderer, bars, display, in_view
 from solver.pictures.style import (
     FLOOR,
     FLOOR_EDGE,

@@ -12,6 +12,7 @@ import numpy as np
 
 from solver.errors import SceneError
 from solver.excitation.sampled import running_integral
+from solver.fields.contacts import LONGEST, arrow_of_weight, largest_weight
 from solver.fields.ground import floor_level
 from solver.pictures.contact import (
     BlockFrames,
@@ -28,7 +29,6 @@ from solver.pictures.renderer import (
     Pixels,
     Renderer,
     arrow,
-    arrow_of_weight,
     bars,
     display,
     in_front,
@@ -64,9 +64,8 @@ FORCE = {State.STICKS: "#2aa9ff", State.SLIPS: "#ff6a00", State.OPEN: "#2aa9ff"}
 BODY = {State.STICKS: "#c9d3df", State.SLIPS: "#f6cf9b", State.OPEN: "#e8f4e4"}
 PLATFORM = "#b5b5b5"
 
-#: An arrow is drawn no longer than this, and not where it is shorter than that, over the one of the
-#: largest weight.
-LONGEST, SHORTEST_ARROW = 3.0, 0.03
+#: An arrow is not drawn where it is shorter than this, over the one of the largest weight.
+SHORTEST_ARROW = 0.03
 
 #: Height of a heading, and of a line of its legend more, in.
 HEADING, LEGEND = 0.62, 0.2
@@ -224,7 +223,7 @@ class Shot:
         """Least and greatest place of the bodies in all frames, m, (d,)."""
         self._unit = arrow_of_weight(scene)
         """Length of an arrow that stands for the largest weight, m."""
-        self._weight = max(block.push.weight for block in blocks)
+        self._weight = largest_weight(scene)
         """The largest weight, N."""
 
     def draw(self, renderer: Renderer, frame: int) -> Pixels:

@@ -18,7 +18,7 @@ from solver.pictures.contact import block_poses, drift_at
 from solver.pictures.style import largest
 from solver.results.runs import Run
 from solver.scene import BlockSpec, Scene
-from solver.scene.names import LINKS
+from solver.scene.names import CONTACTS, LINKS
 from solver.types import Array
 
 #: Snapshots that the range of the colours of a film is taken from.
@@ -48,10 +48,10 @@ class FieldFiles:
         self.times: Array = np.array(sorted(whole))
         """s."""
         names = [e.get("name", "") for e in entries if e.get("timestep") == listed[0]]
-        self._numbers = [k for k, name in enumerate(names) if name != LINKS]
+        self._numbers = [k for k, name in enumerate(names) if name not in (LINKS, CONTACTS)]
         self.names = [names[k] for k in self._numbers]
-        """Names of the bodies, in their order; empty where the file has none. Links are drawn by
-        the history."""
+        """Names of the bodies, in their order; empty where the file has none. Links and forces
+        are drawn by the history."""
 
     def read(self, index: int) -> list[Any]:
         """Surface of each body at one of the times, as `pyvista.PolyData`, in their order.

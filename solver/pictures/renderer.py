@@ -18,7 +18,6 @@ from solver.errors import EnvironmentTrouble
 from solver.pictures.links import LOOKS, LinkFrames
 from solver.pictures.meshes import EDGE_NORMALS, EDGES, SHARP
 from solver.pictures.style import FLOOR, STRESS
-from solver.scene import Scene
 from solver.scene.time import rounded_down
 from solver.types import Array
 
@@ -254,11 +253,6 @@ class Renderer:
     def close(self) -> None:
         """Free the window."""
         self._plotter.close()
-
-
-def arrow_of_weight(scene: Scene) -> float:
-    """Length of an arrow that stands for the largest weight of a block, m."""
-    return 0.3 * max(block.shape.height for block in scene.blocks)
 
 
 def arrow(start: Array, direction: Array, length: float, *, unit: float) -> Any:

@@ -92,7 +92,7 @@ class RigidSystem:
         self.dimension = d = scene.dimension
         self.names = tuple(spec.name for spec in scene.blocks)
         self.time = 0.0
-        self._forces, self._tells_pairs = scene.forces, scene.output.pairs
+        self._forces = scene.forces
         self._moves = scene.has_platform
         shapes = {spec.name: spec.shape for spec in scene.blocks}
         self.columns = scene_columns(scene)
@@ -122,16 +122,15 @@ class RigidSystem:
         carriers = [[numbers[name] for name in spec.carriers] for spec in scene.blocks]
         laws, law_of = _laws_of(self.body_names, scene.laws.between)
         self._world.begin(laws, law_of, [*carriers, []])
-        if self._tells_pairs:
-            self._world.tell_pairs()
         standing = [each[0] for each in carriers]
         self._written = BlockRows(shapes, standing, d)
         self._before = self._world.now()
         frames = rotation_matrices(self._before.rotation)
         self._lean = self._written.lean(self._before, frames, np.zeros(len(shapes)))[0]
         self._first = float(self._before.stored.sum())
-        self.first_pairs: Array = np.empty((0, 0))
-        """The pairs of the trial step from which the forces of `row` are."""
+        self.pairs: Array = np.empty((0, 4 + 4 * d))
+        """What pairs of bodies did in the last step, as `World.pairs` of one step; at the start in
+        the trial step from which the forces of `row` are; none unless they are told."""
 
     @property
     def unknowns(self) -> int:
@@ -148,6 +147,10 @@ class RigidSystem:
     def body_names(self) -> tuple[str, ...]:
         """Names of all bodies, by their numbers."""
         return (*self.names, GROUND)
+
+    def tell_pairs(self, *, every: bool) -> None:
+        """Tell from here on what pairs do in every step, or in the last one of each `advance`."""
+        self._world.tell_pairs(every=every)
 
     @property
     def deepest(self) -> tuple[float, float, str, str] | None:
@@ -199,7 +202,7 @@ class RigidSystem:
         times = self.time + dt * np.arange(count + 1)
         pushes = factors(self._forces, times)[..., None] * self._pushes
         steps = self._world.run(count, dt, smallest or dt / 1024, motion, shift, pushes)
-        done = len(steps.closed)
+        done, pairs = len(steps.closed), self._world.pairs()
         happened: tuple[Event, ...] = ()
         rows: Array = np.empty((0, len(self.columns)))
         if done:
@@ -207,6 +210,8 @@ class RigidSystem:
             rows = self._rows(taken, times[1 : done + 1], dt, motion[1 : done + 1])
             happened = tuple(self._links.events(taken.links, times[1 : done + 1]))
             self._before = steps.last()
+            self.pairs = pairs[pairs[:, 0] == done - 1]
+            self.pairs[:, 0] = 0
         self.time += dt * done
         rejected = int(self._before.halved[0] - before.halved[0])
         failure = f"no solution of a step at {self.time:.6g} s" if done < count else None
@@ -215,7 +220,7 @@ class RigidSystem:
             rejected=rejected,
             failure=failure,
             met=self._meetings(),
-            pairs=self._world.pairs() if self._tells_pairs else np.empty((0, 0)),
+            pairs=pairs,
             events=happened,
             unsettled=int(self._world.counts()["unsettled"] - unsettled),
         )
@@ -238,11 +243,13 @@ class RigidSystem:
 
     def saved(self) -> dict[str, Any]:
         """How everything stands at the moment, for `resume`."""
-        return {"time": self.time, "world": self._world.saved(), "lean": self._lean.copy()}
+        lean, pairs = self._lean.copy(), self.pairs.copy()
+        return {"time": self.time, "world": self._world.saved(), "lean": lean, "pairs": pairs}
 
     def resume(self, saved: dict[str, Any]) -> None:
         """Go back to where everything stood when it was saved."""
         self.time, self._lean = saved["time"], saved["lean"].copy()
+        self.pairs = saved["pairs"].copy()
         self._world.restore(saved["world"])
         self._before = self._world.now()
 
@@ -257,7 +264,7 @@ class RigidSystem:
         forces = self._before.links[..., d : 2 * d].copy()
         self.resume(saved)
         self._before.links[..., d : 2 * d] = forces
-        self.first_pairs = trial.pairs
+        self.pairs = trial.pairs
         now = self._before.followed_by(self._before)
         row = self._rows(now, np.array([self.time]), dt, motion[:1])[0]
         if not trial.failure:  # else the forces are not known; the step that follows fails, too

@@ -83,12 +83,14 @@ class Engine(Protocol):
     def time(self) -> float:
         """The time that the run has reached, s."""
 
-    @property
-    def first_pairs(self) -> Array:
-        """What pairs of bodies do at t = 0."""
-
     def first_row(self) -> Sequence[float] | NDArray[np.float64]:
         """The row of the history at t = 0."""
+
+    def pairs(self) -> Array:
+        """What pairs of bodies did in the last step, as `World.pairs` of one step, if it is told.
+
+        At t = 0 in the instant after it, or nothing where no step has told of it; collective.
+        """
 
     def open_fields(self, folder: Path, before: FieldsBefore) -> Fields:
         """Writer of the fields, after those that an earlier part of the run has left."""
@@ -180,7 +182,7 @@ class RunContext(Resumable):
         if self.scene.output.pairs:
             self.pairs = files.open_pairs(engine.body_names)
             if not engine.steps:
-                self.pairs.add(np.zeros(1), engine.first_pairs)
+                self.pairs.add(np.zeros(1), engine.pairs())
         status, reason = "completed", ""
         due = files.next_snapshot(engine.time)
         while not (engine.done or reason):

@@ -49,9 +49,6 @@ class MeshedRun(Resumable):
         *("steps", "_iterations", "_damped", "_coarse"),
     )
 
-    first_pairs = NO_PAIRS
-    """What pairs of bodies do at t = 0, which no step tells of."""
-
     def __init__(
         self,
         scene: Scene,
@@ -70,9 +67,11 @@ class MeshedRun(Resumable):
         names = scene_columns(scene)
         self._observer = Observer(self.assembly, self.state, names, scene.links)
         self._pairs: PairObserver | None = None
-        if len(scene.blocks) > 1 or scene.output.pairs or scene.blocks[0].position is not None:
+        told = scene.output.pairs or scene.output.fields != "none"
+        if told or len(scene.blocks) > 1 or scene.blocks[0].position is not None:
             self._pairs = PairObserver(scene, self.assembly)
-            self._stepper.tells_pushes = "all" if scene.output.pairs else "meetings"
+        self._last = Exchange(), scene.time.step
+        """What the last step exchanged, and its length, s."""
         self.steps = self._iterations = 0
         self._damped = self._coarse = 0
         span = scene.time
@@ -111,6 +110,11 @@ class MeshedRun(Resumable):
     def body_names(self) -> Sequence[str]:
         """Names of all bodies, by their numbers in pairs."""
         return () if self._pairs is None else self._pairs.names
+
+    def pairs(self) -> Array:
+        """What pairs of bodies did in the last step, as `World.pairs` of one step; collective."""
+        assert self._pairs is not None
+        return self._pairs.rows(self.state, *self._last)
 
     def saved(self) -> dict[str, Any]:
         """State of the run, for `resume`."""
@@ -199,13 +203,11 @@ class MeshedRun(Resumable):
         """Go on from where a step of length dt (s) led."""
         self._damped += self.state.is_damped(dt)
         met: Sequence[Meeting] = ()
-        pairs = NO_PAIRS
         if self._pairs is not None:
             met = self._pairs.step(self.state, new, exchange)
-            if self._scene.output.pairs:
-                pairs = self._pairs.rows(new, exchange, dt)
         happened = self._observer.link_events(self.state, new)
-        self.state = new
+        self.state, self._last = new, (exchange, dt)
+        pairs = self.pairs() if self._scene.output.pairs else NO_PAIRS
         self.steps += 1
         self._iterations += exchange.iterations
         rows = self._observer.row(new, exchange, dt)[None]

@@ -64,7 +64,7 @@ class PairObserver(Resumable):
     def __init__(self, scene: Scene, assembly: Assembly):
         """Begin where nothing has touched."""
         self._system = assembly.stepper.system
-        self._d = scene.dimension
+        self._d, self._tells_rows = scene.dimension, scene.output.pairs
         members = assembly.members
         self.names = (*(member.spec.name for member in members), GROUND)
         self._surfaces = [member.surface for member in members]
@@ -88,7 +88,7 @@ class PairObserver(Resumable):
 
     def step(self, before: State, after: State, exchange: Exchange) -> list[Meeting]:
         """The collisions that ended in a step."""
-        for pair, whole in self._by_pair(exchange).items():
+        for pair, whole in self._by_pair(exchange, homes=self._tells_rows).items():
             first, second = (self.names[k] for k in pair)
             if pair not in self._homes and -whole.gap > (self._deepest or (0.0,))[0]:
                 self._deepest = (-whole.gap, after.time, first, second)
@@ -118,10 +118,13 @@ class PairObserver(Resumable):
         self._open.clear()
         return found
 
-    def _by_pair(self, exchange: Exchange) -> dict[tuple[int, int], Push]:
-        """What interfaces did, added up by pairs: to the first body of each."""
+    def _by_pair(self, exchange: Exchange, *, homes: bool) -> dict[tuple[int, int], Push]:
+        """What interfaces did, added up by pairs: to the first body of each.
+
+        With that between blocks and what carries them, `homes`, or without.
+        """
         found: dict[tuple[int, int], Push] = {}
-        for push in exchange.pushes:
+        for push in exchange.pushes(homes=homes):
             one, other = (self._number(body) for body in (push.body, push.carrier))
             pair, own = ((one, other), push) if one < other else ((other, one), push.reversed())
             found[pair] = found[pair].plus(own) if pair in found else own
@@ -201,22 +204,27 @@ class PairObserver(Resumable):
         )
 
     def rows(self, state: State, exchange: Exchange, dt: float) -> Array:
-        """The rows of all pairs that have touched, as `World.pairs` has them."""
-        d, found, known = self._d, [], self._by_pair(exchange)
-        for pair in sorted(self._slips):
+        """The rows of all pairs that have touched, as `World.pairs` has them.
+
+        Without `output.pairs` of those that press now, at least; slips are not known then.
+        """
+        d, found, known = self._d, [], self._by_pair(exchange, homes=True)
+        press = {pair for pair, whole in known.items() if whole.pressed > 0.0}
+        for pair in sorted(press | self._slips.keys()):
             n: Array = np.zeros(d)
             place: Array = np.full(d, np.nan)
             impulse: Array = np.zeros(d)
-            whole, points = known.get(pair), 0
-            if whole is not None and whole.pressed > 0.0:
+            slip, points = self._slips.get(pair, np.zeros(d)), 0
+            if pair in press:
+                whole = known[pair]
                 n, place = whole.normal / np.linalg.norm(whole.normal), whole.place
                 impulse, points = whole.impulse, whole.points
             else:
-                self._slips[pair] = np.zeros(d)
+                slip = self._slips[pair] = np.zeros(d)
             along = pair_tangents(n[None])[0]
             numbers = (0.0, *pair, points, impulse @ n / dt, *(along @ impulse / dt))
             apart = self._distance(pair, state)
-            found.append([*numbers, apart, *(along @ self._slips[pair]), *place, *n])
+            found.append([*numbers, apart, *(along @ slip), *place, *n])
         return np.array(found) if found else np.empty((0, 4 + 4 * d))
 
     def _distance(self, pair: tuple[int, int], state: State) -> float:

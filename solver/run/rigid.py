@@ -59,6 +59,8 @@ class RigidRun(Resumable):
         self._motion = ground or read_ground(scene)
         self._at_once = 1
         self._system = RigidSystem(scene)
+        if scene.output.pairs or scene.output.fields != "none":
+            self._system.tell_pairs(every=scene.output.pairs)
         self.body_names = self._system.body_names
         self.steps, self.time = 0, 0.0
         self._rejected = self._iterations = self._unsettled = 0
@@ -69,10 +71,9 @@ class RigidRun(Resumable):
         """The row of the history at t = 0."""
         return self._system.row(self._scene.time.step, tuple(self._motion.acceleration(0.0)))
 
-    @property
-    def first_pairs(self) -> Array:
-        """What pairs of bodies do at t = 0."""
-        return self._system.first_pairs
+    def pairs(self) -> Array:
+        """What pairs of bodies did in the last step, as `World.pairs` of one step."""
+        return self._system.pairs
 
     def open_fields(self, folder: Path, before: FieldsBefore) -> RigidSnapshots:
         """Writer of the fields, after those that an earlier part of the run has left."""

@@ -112,7 +112,7 @@ class BlockSpec(Checked):
     name: str = "block"
     """The block's name, different from all others: a letter, then letters, digits, `_` and `-`,
     100 at most. Names of tables and columns are taken: foundation, contact, pair, damping, motion,
-    time, output, base, platform, plate, frame, energy."""
+    time, output, base, platform, plate, frame, energy, links, contacts."""
     on: str | tuple[str, ...] = OPEN
     """Its carrier: `"foundation"` or the name of another block; or an array of
     [several](#several-supports), whose tops are level. Default: `"foundation"`."""

@@ -10,10 +10,13 @@ from solver.scene.checking import shown
 LINKS = "links"
 """All links together, in the files of the fields."""
 
+CONTACTS = "contacts"
+"""All pairs of bodies that press on one another, likewise."""
+
 # Names that mean something else in key paths, in the columns of a history, or in files of fields.
 RESERVED = (
     *("foundation", "contact", "pair", "damping", "motion", "time", "output"),
-    *("base", "platform", "plate", "frame", "energy", LINKS),
+    *("base", "platform", "plate", "frame", "energy", LINKS, CONTACTS),
 )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -168,6 +168,18 @@ class Push(NamedTuple):
         )
 
 
+class Pushes(Protocol):
+    """Finds what interfaces near contact did in a step."""
+
+    def __call__(self, *, homes: bool) -> Sequence[Push]:
+        """With what those between a block and what carries it did, or without."""
+
+
+def no_pushes(*, homes: bool) -> Sequence[Push]:
+    """What interfaces did where there was no step."""
+    return ()
+
+
 class Exchange(NamedTuple):
     """Energy that a step took in or lost, J; each term from its own formula.
 
@@ -180,7 +192,7 @@ class Exchange(NamedTuple):
         numerical: Lost to the averaging of forces.
         iterations: Corrections that the step took.
         ground: Mean forces of the ground; None: it has none, or they are not known.
-        pushes: What interfaces near contact did; empty unless the stepper tells it.
+        pushes: Finds what interfaces near contact did (`solver.stepping.pushes`).
     """
 
     input: float = 0.0
@@ -191,4 +203,4 @@ class Exchange(NamedTuple):
     numerical: float = 0.0
     iterations: int = 0
     ground: GroundForces | None = None
-    pushes: Sequence[Push] = ()
+    pushes: Pushes = no_pushes

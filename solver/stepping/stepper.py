@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from contextlib import ExitStack
-from functools import lru_cache
-from typing import Any, Literal
+from functools import lru_cache, partial
+from typing import Any
 
 import numpy as np
 
@@ -43,7 +43,7 @@ from solver.stepping.reactions import (
     ground_forces,
     with_impulses,
 )
-from solver.stepping.state import Exchange, GroundForces, Push, RotationPrediction, State
+from solver.stepping.state import Exchange, GroundForces, RotationPrediction, State
 from solver.stepping.system import System
 from solver.types import Array
 
@@ -94,9 +94,6 @@ class Stepper:
             lambda scheme, dt: [body.weights(scheme, dt) for body in system.bodies]
         )
         self.velocity_solve = velocity_solve
-        self.tells_pushes: Literal["", "meetings", "all"] = ""
-        """Whose interfaces steps tell of: of no bodies, of those of which neither carries the
-        other, of all."""
         self.local = LocalProblem()
         self._petsc_options = tuple(petsc_options)
         self._resources = ExitStack()
@@ -353,6 +350,7 @@ class Stepper:
             self.join(state.active)
             raise StepFailed("bodies move too far in one step")
         averaged = numerical_loss(sums, self.links, old=old, new=contacts, skew=step.scheme.skew)
+        both = step.start.contacts, solution.contacts
         exchange = Exchange(
             input=pulled.work - float(sums.moved @ self.mean_base(state.time, dt)),
             friction=lost.friction + correction.friction,
@@ -362,19 +360,9 @@ class Stepper:
             numerical=averaged,
             iterations=solution.iterations,
             ground=ground,
-            pushes=self._pushes(step, solution, correction),
+            pushes=partial(pushes, self.links, *both, correction.impulse, step.dt),
         )
         return new, exchange
-
-    def _pushes(
-        self, step: Step, solution: StepSolution, correction: VelocityCorrection
-    ) -> Sequence[Push]:
-        """What interfaces did in a step, as far as it is told."""
-        if not self.tells_pushes:
-            return ()
-        ends = step.start.contacts, solution.contacts
-        homes = self.tells_pushes == "all"
-        return pushes(self.links, *ends, correction.impulse, step.dt, homes=homes)
 
     def _velocity_correction(
         self, u: Array, v: Array, solution: StepSolution, step: Step, rubbed: float

@@ -91,9 +91,8 @@ def test_a_run_in_paraview(name: str, ranks: int, tmp_path: Path, screen: dict[s
     with (folder / "history.csv").open() as stream:
         rows = {round(float(row["time_s"]), 6): row for row in csv.DictReader(stream)}
     for seen in said["seen"]:
-        # What ParaView reads of fields.pvd is no block where it is one body, and has no name.
-        names = [""] if name == "elastic" else BODIES[name]
-        assert list(seen["bounds"]) == names
+        names = BODIES[name]
+        assert list(seen["bounds"]) == [*names, "contacts"]
         low, high = seen["bounds"][names[0]]
         expected = rectangle(rows[round(seen["time"], 6)])
         assert [*low[:2], *high[:2]] == pytest.approx(expected, abs=1e-6)

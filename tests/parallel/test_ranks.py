@@ -175,7 +175,7 @@ def test_fields_of_two_ranks_are_those_of_one(folder: Path) -> None:
     for name in ("granite alone", "granite"):
         reader = pyvista.get_reader(folder / name / "fields.pvd")
         reader.set_active_time_value(0.2)
-        data = reader.read().combine()
+        data = reader.read()[:-1].combine()  # but the forces, which are others
         _, first = np.unique(np.round(data.points, 9), axis=0, return_index=True)
         ends.append((data.points[first], data["displacement"][first]))
     assert ends[0][0] == pytest.approx(ends[1][0], abs=1e-12)

@@ -71,7 +71,8 @@ def test_as_many_ranks_go_on_to_the_byte(whole: Path) -> None:
     pieces = [
         line.split('file="')[1].split('"')[0] for line in listed.splitlines() if "file" in line
     ]
-    assert len(pieces) == 2 * 7  # that of the first end is one of them
+    # of the block, the platform and the forces; that of the first end is one of them
+    assert len(pieces) == 3 * 7
     assert all((folder / piece).is_file() for piece in pieces)
 
 

@@ -290,6 +290,7 @@ def test_the_paraview_script_runs(tmp_path: Path, dimension: int, stress: bool, 
         exec(compile(script.read_text(), script, "exec"), {"__file__": str(script)})
     assert seen["OpenDataFile"]["args"] == (str(tmp_path / "fields.pvd"),)
     assert seen["WarpByVector"]["ScaleFactor"] == 1.0
+    assert seen["Glyph"]["ScaleFactor"] == pytest.approx(0.3 / (100.0 * scene.gravity))
     half, level = half_floor(scene), floor_level(scene)
     assert half > 1 and level < 0
     corner = [-half, level, 0.0] if dimension == 2 else [half, -half, level]

@@ -278,7 +278,6 @@ def test_momentum_of_stacks_that_pound_on_a_deck() -> None:
     case = stacks()
     assembly = build(case)
     stepper, (state, _) = assembly.stepper, initial_state(case, assembly)
-    stepper.tells_pushes = "all"
     system, step = stepper.system, case.time.step
     mass = sum(body.mass for body in system.bodies)
     shears, left, met = [], [], 0.0
@@ -289,7 +288,7 @@ def test_momentum_of_stacks_that_pound_on_a_deck() -> None:
         inertia = system.directional_mass @ (new.v - state.v) / step + mass * shaken
         shears.append((-forces.total[0], -inertia[0]))
         given = np.zeros((len(system.bodies), 2))
-        for push in exchange.pushes:
+        for push in exchange.pushes(homes=True):
             for number, sign in ((push.body, 1.0), (push.carrier, -1.0)):
                 if number is not None:
                     given[number] += sign * push.impulse
