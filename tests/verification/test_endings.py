@@ -163,7 +163,7 @@ def test_rigid_blocks_that_run_into_each_other_meet(engine: str, tmp_path: Path)
     assert kept["overlaps"] == [] and kept["collapse"] == [] and kept["unsettled"] is None
     assert kept["first_collision"] == {"time_s": met.time_s, "between": ["left", "right"]}
     assert kept["largest_pounding"] == kept["first_collision"] | {"impulse_Ns": met.impulse_Ns}
-    assert (kept["deepest_penetration_m"] or 0.0) < 1e-9  # null where nothing overlaps
+    assert (kept["deepest_penetration_m"] or 0.0) < 1e-9  # null: they never overlap
     line = "first collision of two blocks: left meets right at 0.1007 s"
     assert line in report(result.summary) and line in lines
 
