@@ -50,6 +50,9 @@ template <int d> class LocalProblem {
         outcomes.softened++;
         restore(island, first_);
         if (is_solved(by_proximal_point(island, SOFT, ENOUGH))) return true;
+        for (C* k : island.contacts) k->impulse.fill(0);
+        island.move();
+        if (is_solved(by_proximal_point(island, SOFT, ENOUGH))) return true;
         outcomes.failed++;
         restore(island, first_);
         return false;
