@@ -15,8 +15,8 @@ import sys
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import ConvexHull
 
-from geometry.shapes import hull
 from solver.kernels.world import Body, Mobility, World
 from solver.rigid.rows import rotation_matrices
 from solver.types import Array
@@ -102,12 +102,11 @@ class Assembly:
     def _add(self, corners: Array, lowest: Array, velocity: Array | float, turned: bool) -> None:
         """Add a convex body of uniform density whose lowest point is at a height."""
         d, random = self.d, self._random
-        solid = hull(corners)
-        inertia, axes = np.asarray(solid.inertia), np.eye(d)
-        if d == 3:
-            inertia, axes = np.linalg.eigh(inertia)
-            axes[:, 2] *= np.sign(np.linalg.det(axes))
-        corners = (solid.corners - solid.centre) @ axes
+        hull = ConvexHull(corners)
+        corners = corners[hull.vertices] if d == 2 else corners
+        loops = [] if d == 2 else _faces(corners)
+        mass, centre, inertia, axes = _mass_properties(corners, loops)
+        corners = (corners - centre) @ axes
         edges = np.linalg.norm(corners[:, None] - corners, axis=2)
         self.smallest = min(self.smallest, float(edges[edges > 1e-9].min()))
         density = 2000.0 * 10 ** float(random.uniform(-2, 2))
@@ -120,13 +119,12 @@ class Assembly:
         place = lowest.copy()
         place[-1] -= float((corners @ turn.T)[:, -1].min())
         world = self.world
-        faces = solid.parts[0].faces
-        shape = world.polygon(corners) if d == 2 else world.polyhedron(corners, faces)
+        shape = world.polygon(corners) if d == 2 else world.polyhedron(corners, loops)
         spin = 2.0 * random.normal(size=1 if d == 2 else 3) if turned else 0.0
         world.add(
             Body(
                 shape=shape,
-                mass=density * solid.mass,
+                mass=density * mass,
                 inertia=density * inertia,
                 centre=place,
                 rotation=rotation,
@@ -156,6 +154,44 @@ class Assembly:
         low = np.zeros(self.d)
         low[0], low[-1] = 0.402 * place + 0.201 * (course % 2), 0.2 * course
         self._add(_corners(size / 2), low, 0.0, False)
+
+
+def _faces(corners: Array) -> list[list[int]]:
+    """Loops around the faces of a polyhedron, anticlockwise from outside; flat triangles joined."""
+    hull, found = ConvexHull(corners), {}
+    for equation, simplex in zip(hull.equations, hull.simplices, strict=True):
+        key = tuple(np.round(equation, 9) + 0.0)
+        found.setdefault(key, set()).update(map(int, simplex))
+    loops = []
+    for key, members in found.items():
+        normal, numbers = np.array(key[:3]), np.array(sorted(members))
+        arms = corners[numbers] - corners[numbers].mean(axis=0)
+        first = arms[0] / np.linalg.norm(arms[0])
+        angles = np.arctan2(arms @ np.cross(normal, first), arms @ first)
+        loops.append([int(k) for k in numbers[np.argsort(angles)]])
+    return loops
+
+
+def _mass_properties(corners: Array, loops: list[list[int]]) -> tuple[float, Array, Array, Array]:
+    """Area or volume, centre, principal moments and their axes (columns), by simplices."""
+    d = corners.shape[1]
+    inner = corners.mean(axis=0)
+    edges = [[k, (k + 1) % len(corners)] for k in range(len(corners))]
+    triangles = [[own[0], own[k], own[k + 1]] for own in loops for k in range(1, len(own) - 1)]
+    parts = [np.vstack([inner, corners[part]]) for part in (edges if d == 2 else triangles)]
+    sizes = np.array([abs(np.linalg.det(p[1:] - p[0])) for p in parts]) / (2 if d == 2 else 6)
+    middles = np.array([p.mean(axis=0) for p in parts])
+    centre = sizes @ middles / sizes.sum()
+    second = np.zeros((d, d))
+    for size, p, middle in zip(sizes, parts, middles, strict=True):
+        arms = p - centre
+        sums = arms.T @ arms + (d + 1) ** 2 * np.outer(middle - centre, middle - centre)
+        second += size / ((d + 1) * (d + 2)) * sums
+    if d == 2:
+        return float(sizes.sum()), centre, np.array([np.trace(second)]), np.eye(2)
+    values, axes = np.linalg.eigh(np.trace(second) * np.eye(3) - second)
+    axes[:, 2] *= np.sign(np.linalg.det(axes))
+    return float(sizes.sum()), centre, values, axes
 
 
 def run(seed: int, most_in_space: int = MOST_IN_SPACE, end: float = 2.0) -> Outcome:
