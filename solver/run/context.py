@@ -146,7 +146,7 @@ class RunContext(Resumable):
     """The last row and its pairs, where the history does not have them: they may be the end."""
 
     def __post_init__(self) -> None:
-        """Nothing is seen so far."""
+        """Begin without any event, and with nothing that ends the run."""
         self.watch = Watch(self.scene)
         self.recorder = Recorder(self.scene, self.history.columns)
 

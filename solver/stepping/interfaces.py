@@ -83,9 +83,8 @@ class PairWatch:
         self._placed = d + d * d
         self._now: Array = np.zeros((still + 1, sum(sizes)))
         self._looked = np.zeros((len(pairs), 2, sum(sizes)))
-        self._change: Array = np.zeros(
-            (4, len(pairs))
-        )  # of both bodies of each: way, turn, speed, spin
+        # Of both bodies of each pair: way, turn, speed, spin.
+        self._change: Array = np.zeros((4, len(pairs)))
         self._reach, self._slack = np.zeros((2, len(pairs)))
         self._sums = np.tile(np.repeat(np.eye(4), sizes, axis=0), (2, 1))
         self._state: State | None = None

@@ -149,7 +149,7 @@ class Component:
     name: str = ""
     """Its name in the file; empty: none."""
     number: int = 0
-    """Of columns the number in the file, from 1; 0: its place among all of the file."""
+    """Number of its column in the file, from 1; 0: its place among all components of the file."""
     values: Array
     """The samples in the unit below, (n,)."""
     lines: list[int]
