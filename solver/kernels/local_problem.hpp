@@ -36,7 +36,7 @@ template <int d> class LocalProblem {
     /// Finds impulses and motions from the impulses as guessed; false where nothing settles them.
     bool solve(I& island) {
         outcomes.solves++;
-        set_compliances(island);
+        set_lengths(island);
         island.move();
         island.factored_stamp = -1;
         if (error(island, 0) <= ENOUGH) {
@@ -49,10 +49,10 @@ template <int d> class LocalProblem {
         if (newton(island, SOFTNESS, FEW_STEPS)) return true;
         outcomes.softened++;
         restore(island, first_);
-        if (is_solved(by_proximal_point(island, SOFT, ENOUGH))) return true;
+        if (is_solved(by_proximal_point(island, SOFT, ENOUGH, PATIENCE))) return true;
         for (C* k : island.contacts) k->impulse.fill(0);
         island.move();
-        if (is_solved(by_proximal_point(island, SOFT, ENOUGH))) return true;
+        if (is_solved(by_proximal_point(island, SOFT, ENOUGH, PATIENCE))) return true;
         outcomes.failed++;
         restore(island, first_);
         return false;
@@ -61,7 +61,7 @@ template <int d> class LocalProblem {
     /// Takes out what the proximal term has left of the law; with final rows. False where more than
     /// round-off is left of it. Forces at rest are to last: they are brought further.
     bool finish(I& island, bool at_rest = false) {
-        const double e = by_proximal_point(island, SOFTNESS, at_rest ? SHARP : ENOUGH);
+        const double e = by_proximal_point(island, SOFTNESS, at_rest ? SHARP : ENOUGH, MORE_PATIENCE);
         loose_ = e > ENOUGH;
         if (loose_) {
             outcomes.loose++;
@@ -128,37 +128,45 @@ template <int d> class LocalProblem {
     static constexpr double ENOUGH = 10;               // times what is tolerated: no need to go on
     static constexpr double SHARP = 0.01;              // the same for forces at rest, which are to last
     static constexpr double SOFTNESS = 1e-5;           // q of the proximal term
-    static constexpr double SOFT = 0.1;                // the same where Newton's method does not settle with that
+    static constexpr double SOFT = 1e-3;               // the same where Newton's method does not settle with that
     static constexpr double HARDEST = 1e-9;            // least q, where bodies are nearly wedged
     static constexpr double MOST_HELD = 3;             // of the compliance in it, times the least in the island
     static constexpr double SOFTEST = 1e4;
-    static constexpr double CONTENT = 0.003;           // times what is enough: part of the breach tolerated that is enough after a round
-    static constexpr int FEW_STEPS = 10, STEPS = 30, PROXIMAL_ROUNDS = 80;
+    static constexpr int FEW_STEPS = 10, STEPS = 20, PROXIMAL_ROUNDS = 80;
+    static constexpr int PATIENCE = 2, MORE_PATIENCE = 8;  // rounds without a gain, while rows may change and at the end
 
     /// Whether no more than round-off is left of the law after the last look, which found an error.
     bool is_solved(double e) const { return breach_ < tolerated_breach || (e < 1e6 && breach_ < 3 * tolerated_breach); }
 
     /// The proximal point algorithm: Newton's method again and again, with the term held at the last
     /// solution, softer where that does not settle and harder from solution to solution; until the law
-    /// holds, or no longer gets much better and is broken by little: by more the longer it takes, at most by
-    /// what is tolerated. Returns the error.
-    double by_proximal_point(I& island, double q, double enough) {
-        double e = error(island, 0);
+    /// holds, or is broken by no more than is tolerated and gets little better in a number of rounds.
+    /// Returns the error of the best impulses, which are kept.
+    double by_proximal_point(I& island, double q, double enough, int patience) {
+        double e = error(island, 0), least = e;
+        bool solved = is_solved(e);
+        int stalled = 0;
+        save(island, best_);
         for (int round = 0; round < PROXIMAL_ROUNDS && e > enough && q <= SOFTEST; round++) {
             const double before = e;
-            const bool solved = is_solved(e);
             save(island, anchor_);
-            const bool settled = newton(island, q, solved ? FEW_STEPS : STEPS, std::min(enough, 1.0));
+            const bool settled = newton(island, q, STEPS, std::min(enough, 1.0));
             e = error(island, 0);
-            if (!(e < before) && (solved || !settled)) {
+            if (!settled && !(e < before)) {
                 restore(island, anchor_);
                 e = error(island, 0);
             }
-            const bool stalls = e > 0.5 * before;
-            if (stalls && breach_ < std::min(1.0, enough * CONTENT * (round + 1)) * tolerated_breach) break;
-            q = settled || !stalls ? std::max(is_solved(e) ? SOFTNESS : HARDEST, 0.3 * q) : 10 * q;
+            stalled = e > 0.5 * least ? stalled + 1 : 0;
+            if (e < least) {
+                least = e;
+                solved = is_solved(e);
+                save(island, best_);
+            }
+            if (stalled > 0 && (least <= ENOUGH || (solved && stalled >= patience))) break;
+            q = settled || stalled == 0 ? std::max(HARDEST, 0.3 * q) : 10 * q;
         }
-        return e;
+        restore(island, best_);
+        return error(island, 0);
     }
 
     static void save(const I& island, std::vector<Vec<d>>& impulses) {
@@ -200,25 +208,43 @@ template <int d> class LocalProblem {
         return most;
     }
 
-    /// r: one over the diagonal of W, normal and tangential.
-    static std::array<double, 2> lengths(const std::array<double, 2>& own) {
-        return {own[0] > 0 ? 1 / own[0] : 1, own[1] > 0 ? 1 / own[1] : 1};
-    }
-
-    /// Writes the diagonal of W.
-    static void set_compliances(I& island) {
+    /// r: one over a bound of the row sums of |W|, by Schwarz' inequality; own: the diagonal of W.
+    void set_lengths(I& island) {
         const std::size_t count = island.contacts.size();
+        sum_.assign(island.w.size(), {0, 0});
+        part_.resize(count);
+        island.length.resize(count);
         island.own.resize(count);
-        island.least = {INFINITY, INFINITY};
+        for (std::size_t i = 0; i < count; i++) {
+            const C& k = *island.contacts[i];
+            for (int side = 0; side < 2; side++) {
+                const int body = side ? k.b : k.a;
+                part_[i][side] = {0, 0};
+                if (body < 0) continue;
+                const Mat<d, unknowns>& rows = side ? k.rows_b : k.rows_a;
+                part_[i][side] = {own_compliance(rows, island.inverse_mass[body], 0, 1),
+                                  own_compliance(rows, island.inverse_mass[body], 1, d)};
+                for (int t = 0; t < 2; t++) sum_[body][t] += std::sqrt(part_[i][side][t]);
+            }
+        }
         for (std::size_t i = 0; i < count; i++) {
             const C& k = *island.contacts[i];
             for (int t = 0; t < 2; t++) {
-                double& own = island.own[i][t] = 0;
-                if (k.a >= 0) own += own_compliance(k.rows_a, island.inverse_mass[k.a], t, t ? d : 1);
-                if (k.b >= 0) own += own_compliance(k.rows_b, island.inverse_mass[k.b], t, t ? d : 1);
-                if (!k.link) island.least[t] = std::min(island.least[t], own);
+                double all = 0;
+                island.own[i][t] = 0;
+                for (int side = 0; side < 2; side++) {
+                    const int body = side ? k.b : k.a;
+                    if (body < 0) continue;
+                    all += std::sqrt(part_[i][side][t]) * sum_[body][t];
+                    island.own[i][t] += part_[i][side][t];
+                }
+                island.length[i][t] = all > 0 ? 1 / all : 1;
             }
         }
+        island.least = {INFINITY, INFINITY};
+        for (std::size_t i = 0; i < count; i++)
+            for (int t = 0; t < 2; t++)
+                if (!island.contacts[i]->link) island.least[t] = std::min(island.least[t], island.own[i][t]);
     }
 
     /// Difference between P and its projection, 1 being what is tolerated; infinite beyond numbers.
@@ -231,7 +257,7 @@ template <int d> class LocalProblem {
         double noise = 0;
         for (std::size_t i = 0; i < count; i++) {
             C& k = *island.contacts[i];
-            const std::array<double, 2> r = lengths(island.own[i]);
+            const std::array<double, 2> r = island.length[i];
             k.y = island.reading(k);
             if (softness > 0)
                 for (int j = 0; j < d; j++) k.y[j] += softness * held_compliance(island, i, j > 0) * (k.impulse[j] - anchor_[i][j]);
@@ -260,7 +286,7 @@ template <int d> class LocalProblem {
         for (std::size_t i = 0; i < count; i++) {
             if (!(defect_[i] > 0)) continue;
             worst = std::max(worst, defect_[i] / (TOLERANCE * largest_[i] + ROUND_OFF * noise));
-            const auto [normal, tangential] = lengths(island.own[i]);
+            const auto [normal, tangential] = island.length[i];
             breach_ = std::max(breach_, defect_[i] / std::min(normal, tangential));
         }
         return worst;
@@ -316,7 +342,7 @@ template <int d> class LocalProblem {
             Mat<d, d> J;
             LU<d> K;
             State state{};
-            const std::array<double, 2> r = lengths(island.own[i]);
+            const std::array<double, 2> r = island.length[i];
             const Vec<d> nearest = admissible(k, trial_[i], r, state, &J);
             const int mark = static_cast<int>(state);
             // Slip in space turns its direction from iteration to iteration, and links bend.
@@ -361,7 +387,9 @@ template <int d> class LocalProblem {
     BlockLU<unknowns> single_;
     std::unordered_map<std::uint64_t, BlockLU<unknowns>> patterns_;
     std::vector<double> largest_, defect_;
-    std::vector<Vec<d>> trial_, change_, anchor_, first_;
+    std::vector<std::array<double, 2>> sum_;
+    std::vector<std::array<std::array<double, 2>, 2>> part_;
+    std::vector<Vec<d>> trial_, change_, anchor_, first_, best_;
     std::vector<Mat<d, d>> stiffness_;
     std::vector<Motion> x_;
 };
