@@ -36,7 +36,7 @@ template <int d> class LocalProblem {
     /// Finds impulses and motions from the impulses as guessed; false where nothing settles them.
     bool solve(I& island) {
         outcomes.solves++;
-        set_lengths(island);
+        set_compliances(island);
         island.move();
         island.factored_stamp = -1;
         if (error(island, 0) <= ENOUGH) {
@@ -128,12 +128,12 @@ template <int d> class LocalProblem {
     static constexpr double ENOUGH = 10;               // times what is tolerated: no need to go on
     static constexpr double SHARP = 0.01;              // the same for forces at rest, which are to last
     static constexpr double SOFTNESS = 1e-5;           // q of the proximal term
-    static constexpr double SOFT = 1e-3;               // the same where Newton's method does not settle with that
+    static constexpr double SOFT = 1e-2;               // the same where Newton's method does not settle with that
     static constexpr double HARDEST = 1e-9;            // least q, where bodies are nearly wedged
     static constexpr double MOST_HELD = 3;             // of the compliance in it, times the least in the island
     static constexpr double SOFTEST = 1e4;
     static constexpr int FEW_STEPS = 10, STEPS = 20, PROXIMAL_ROUNDS = 80;
-    static constexpr int PATIENCE = 2, MORE_PATIENCE = 8;  // rounds without a gain, while rows may change and at the end
+    static constexpr int PATIENCE = 2, MORE_PATIENCE = 8;  // settled rounds without a gain: while rows may change, and then
 
     /// Whether no more than round-off is left of the law after the last look, which found an error.
     bool is_solved(double e) const { return breach_ < tolerated_breach || (e < 1e6 && breach_ < 3 * tolerated_breach); }
@@ -147,26 +147,27 @@ template <int d> class LocalProblem {
         bool solved = is_solved(e);
         int stalled = 0;
         save(island, best_);
-        for (int round = 0; round < PROXIMAL_ROUNDS && e > enough && q <= SOFTEST; round++) {
-            const double before = e;
+        for (int round = 0; round < PROXIMAL_ROUNDS && (e > enough || !solved) && q <= SOFTEST; round++) {
             save(island, anchor_);
-            const bool settled = newton(island, q, STEPS, std::min(enough, 1.0));
+            const bool settled = newton(island, q, STEPS, std::min({enough, 1.0, 0.1 * e}));
+            if (!settled) restore(island, anchor_);
             e = error(island, 0);
-            if (!settled && !(e < before)) {
-                restore(island, anchor_);
-                e = error(island, 0);
-            }
-            stalled = e > 0.5 * least ? stalled + 1 : 0;
+            if (settled) stalled = e > 0.5 * least ? stalled + 1 : 0;
             if (e < least) {
                 least = e;
                 solved = is_solved(e);
                 save(island, best_);
             }
-            if (stalled > 0 && (least <= ENOUGH || (solved && stalled >= patience))) break;
-            q = settled || stalled == 0 ? std::max(HARDEST, 0.3 * q) : 10 * q;
+            if (solved && stalled > 0 && (least <= ENOUGH || stalled >= patience)) break;
+            // A harder term than at first is less exact where impulses are not unique.
+            const double hardest = stalled > 0 ? HARDEST : std::min(SOFTNESS, q);
+            q = settled ? std::max(hardest, 0.3 * q) : 5 * q;
         }
-        restore(island, best_);
-        return error(island, 0);
+        if (e > least) {
+            restore(island, best_);
+            e = error(island, 0);
+        }
+        return e;
     }
 
     static void save(const I& island, std::vector<Vec<d>>& impulses) {
@@ -208,12 +209,17 @@ template <int d> class LocalProblem {
         return most;
     }
 
-    /// r: one over a bound of the row sums of |W|, by Schwarz' inequality; own: the diagonal of W.
-    void set_lengths(I& island) {
+    /// r: one over the diagonal of W, normal and tangential.
+    static std::array<double, 2> lengths(const std::array<double, 2>& own) {
+        return {own[0] > 0 ? 1 / own[0] : 1, own[1] > 0 ? 1 / own[1] : 1};
+    }
+
+    /// own: the diagonal of W; share: what it is of the row sums of |W|, which Schwarz' inequality bounds.
+    void set_compliances(I& island) {
         const std::size_t count = island.contacts.size();
         sum_.assign(island.w.size(), {0, 0});
         part_.resize(count);
-        island.length.resize(count);
+        island.share.resize(count);
         island.own.resize(count);
         for (std::size_t i = 0; i < count; i++) {
             const C& k = *island.contacts[i];
@@ -238,7 +244,7 @@ template <int d> class LocalProblem {
                     all += std::sqrt(part_[i][side][t]) * sum_[body][t];
                     island.own[i][t] += part_[i][side][t];
                 }
-                island.length[i][t] = all > 0 ? 1 / all : 1;
+                island.share[i][t] = all > 0 ? island.own[i][t] / all : 1;
             }
         }
         island.least = {INFINITY, INFINITY};
@@ -255,9 +261,10 @@ template <int d> class LocalProblem {
         largest_.resize(count);
         defect_.resize(count);
         double noise = 0;
+        breach_ = 0;
         for (std::size_t i = 0; i < count; i++) {
             C& k = *island.contacts[i];
-            const std::array<double, 2> r = island.length[i];
+            const auto &share = island.share[i], r = lengths(island.own[i]);
             k.y = island.reading(k);
             if (softness > 0)
                 for (int j = 0; j < d; j++) k.y[j] += softness * held_compliance(island, i, j > 0) * (k.impulse[j] - anchor_[i][j]);
@@ -271,23 +278,21 @@ template <int d> class LocalProblem {
             for (int j = 0; j < d; j++) {
                 const double length = r[j > 0], step = length * k.y[j];
                 trial_[i][j] = k.impulse[j] - step;
-                noise = std::max({noise, std::fabs(k.impulse[j]), std::fabs(step), length * moved});
+                noise = std::max({noise, std::fabs(k.impulse[j]), share[j > 0] * std::fabs(step), share[j > 0] * length * moved});
             }
             const Vec<d> nearest = admissible(k, trial_[i], r, k.state, nullptr);
             for (int j = 0; j < d; j++) {
                 const double F = k.impulse[j] - nearest[j];
                 largest_[i] = std::max(largest_[i], std::fabs(k.impulse[j]));
-                defect_[i] = std::max(defect_[i], std::fabs(F));
+                defect_[i] = std::max(defect_[i], share[j > 0] * std::fabs(F));
+                breach_ = std::max(breach_, std::fabs(F) / std::min(r[0], r[1]));
             }
         }
         if (!std::isfinite(noise)) return INFINITY;
         double worst = 0;
-        breach_ = 0;
         for (std::size_t i = 0; i < count; i++) {
             if (!(defect_[i] > 0)) continue;
             worst = std::max(worst, defect_[i] / (TOLERANCE * largest_[i] + ROUND_OFF * noise));
-            const auto [normal, tangential] = island.length[i];
-            breach_ = std::max(breach_, defect_[i] / std::min(normal, tangential));
         }
         return worst;
     }
@@ -342,7 +347,7 @@ template <int d> class LocalProblem {
             Mat<d, d> J;
             LU<d> K;
             State state{};
-            const std::array<double, 2> r = island.length[i];
+            const std::array<double, 2> r = lengths(island.own[i]);
             const Vec<d> nearest = admissible(k, trial_[i], r, state, &J);
             const int mark = static_cast<int>(state);
             // Slip in space turns its direction from iteration to iteration, and links bend.

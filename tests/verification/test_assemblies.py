@@ -37,7 +37,7 @@ def test_a_solution_that_is_not_sharp_gains_nothing() -> None:
     )
     scale = np.abs(taken.stored).sum(axis=1).max()
     left = taken.stored.sum(axis=1) - taken.exchanged[:, 0]
-    assert world.counts()["loose"] > 10
+    assert world.counts()["loose"] > 0
     assert np.diff(left).max() < 2e-13 * scale
     assert np.diff(taken.exchanged[:, 1:].sum(axis=1)).min() > -2e-13 * scale
 
