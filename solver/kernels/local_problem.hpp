@@ -209,9 +209,14 @@ template <int d> class LocalProblem {
         return most;
     }
 
-    /// r: one over the diagonal of W, normal and tangential.
-    static std::array<double, 2> lengths(const std::array<double, 2>& own) {
-        return {own[0] > 0 ? 1 / own[0] : 1, own[1] > 0 ? 1 / own[1] : 1};
+    /// r of a contact: one over the diagonal of W with the proximal term, normal and tangential.
+    static std::array<double, 2> lengths(const I& island, std::size_t contact, double softness) {
+        std::array<double, 2> r;
+        for (int t = 0; t < 2; t++) {
+            const double own = island.own[contact][t] + softness * held_compliance(island, contact, t);
+            r[t] = own > 0 ? 1 / own : 1;
+        }
+        return r;
     }
 
     /// own: the diagonal of W; share: what it is of the row sums of |W|, which Schwarz' inequality bounds.
@@ -264,7 +269,7 @@ template <int d> class LocalProblem {
         breach_ = 0;
         for (std::size_t i = 0; i < count; i++) {
             C& k = *island.contacts[i];
-            const auto &share = island.share[i], r = lengths(island.own[i]);
+            const auto &share = island.share[i], r = lengths(island, i, softness);
             k.y = island.reading(k);
             if (softness > 0)
                 for (int j = 0; j < d; j++) k.y[j] += softness * held_compliance(island, i, j > 0) * (k.impulse[j] - anchor_[i][j]);
@@ -347,7 +352,7 @@ template <int d> class LocalProblem {
             Mat<d, d> J;
             LU<d> K;
             State state{};
-            const std::array<double, 2> r = lengths(island.own[i]);
+            const std::array<double, 2> r = lengths(island, i, softness);
             const Vec<d> nearest = admissible(k, trial_[i], r, state, &J);
             const int mark = static_cast<int>(state);
             // Slip in space turns its direction from iteration to iteration, and links bend.
