@@ -5,9 +5,9 @@
 //
 // as roots of P - project(P - r y) (Alart and Curnier 1991). Newton's method solves for the motions w
 // of the bodies, by sparse factors of M + G^T H G. Rows of rigid bodies are redundant as a rule: the
-// proximal term q W_own (P - anchor), added to y, makes the impulses unique; what it leaves of the law
-// is taken out at the end as far as round-off lets it (`finish`). Where Newton's method cycles through
-// states, a softer term holds it, and the proximal point algorithm takes that out of the law again.
+// proximal term q W_own (P - anchor), added to y, makes the impulses unique; the proximal point algorithm
+// takes what it leaves of the law out again, as far as round-off lets it. Where Newton's method cycles
+// through states, a softer term holds it.
 #pragma once
 
 #include <unordered_map>
@@ -70,10 +70,10 @@ template <int d> class LocalProblem {
         return is_solved(e);
     }
 
-    /// Impulses that the law admits and that obey it nearly, where nothing settles them: near the last
+    /// Impulses that the law admits and that obey it nearly, where nothing settles them: near the best
     /// ones of the proximal point algorithm.
     bool approximate(I& island) {
-        restore(island, anchor_);
+        restore(island, best_);
         for (C* k : island.contacts) {
             State state{};
             if (!k->link) k->impulse = project<d>(k->bound, k->mode, k->given, k->impulse, state, nullptr);
