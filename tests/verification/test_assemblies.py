@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from benchmarks.assemblies import STEP, Assembly, run
+from benchmarks.stability.families import matrix
+from rockslip import parse_scene, simulate
 
 SEEDS = 0, 1, 2, 3, 4, 5, 8, 9, 11, 12, 13, 14, 16, 17, 19, 20
 """Of assemblies that take a second or less; `benchmarks.assemblies` runs as many as wanted."""
@@ -51,3 +53,11 @@ def test_a_softer_term_helps_where_newton_cycles() -> None:
     assert counts["softened"] > 5
     assert counts["failed"] == 0
     assert counts["unsettled"] == 0
+
+
+@pytest.mark.parametrize("friction", ["10", "1000"])
+def test_a_lintel_that_cannot_slide_settles(friction: str) -> None:
+    """Shaken on two posts: with so much friction a contact alone is hard for a soft term."""
+    place = "friction of neighbours", "lintel", friction
+    (case,) = [case for case in matrix() if (case.family, case.row, case.column) == place]
+    assert simulate(parse_scene(case.tables)).summary["unsettled"] is None
