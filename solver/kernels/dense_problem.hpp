@@ -328,8 +328,10 @@ inline double error_of(std::int64_t d, Array<1> f, Array<1> trial, Array<1> near
 
 /// Newton's method from f with full steps; whether it settled. If so f is the solution, else it stays as it is.
 ///
-/// `rounds` is the most linear solves. The states are left as those of the last forces.
-inline bool newton(const DenseProblem& problem, Array<2> r, Output<1> f, IndicesOut<1> states, std::int64_t rounds) {
+/// `rounds` is the most linear solves; one is made in any case if it `moves`, else only where f is not the solution. The
+/// states are left as those of the last forces.
+inline bool newton(const DenseProblem& problem, Array<2> r, Output<1> f, IndicesOut<1> states, std::int64_t rounds,
+                   bool moves) {
     static thread_local struct {
         std::vector<double> force, trial, nearest;
         std::vector<std::int64_t> before, seen;
@@ -345,7 +347,7 @@ inline bool newton(const DenseProblem& problem, Array<2> r, Output<1> f, Indices
         error = error_of(problem.d, at, trial, nearest);
     };
     look(f);
-    if (error <= DenseLimits::EXACT) return true;
+    if (error <= DenseLimits::EXACT && !moves) return true;
     seen.fill(-9);
     for (std::int64_t k = 0; k < rounds; k++) {
         if (!linearised(problem, r, trial, states, force)) return false;
@@ -471,11 +473,11 @@ inline bool by_proximal_terms(const DenseProblem& problem, bool cohesion_only, O
     double softness = DenseLimits::SOFTNESS, last = INFINITY;
     for (int round = 0; round < DenseLimits::PROXIMAL_ROUNDS && softness <= DenseLimits::SOFTEST; round++) {
         ease(problem, softness, cohesion_only, now, soft, free, r);
-        bool settled = newton(eased, r, now, states, DenseLimits::EASED_ROUNDS);
+        bool settled = newton(eased, r, now, states, DenseLimits::EASED_ROUNDS, true);
         const bool sharp = settled && softness == 0.0;
         if (!settled) {
             for (std::ptrdiff_t i = 0; i < m; i++) r(i, 0) *= DenseLimits::SHORTER;
-            settled = newton(eased, r, now, states, DenseLimits::EASED_ROUNDS);
+            settled = newton(eased, r, now, states, DenseLimits::EASED_ROUNDS, true);
         }
         if (!settled) {
             softness = DenseLimits::SOFTENING * std::max(softness, DenseLimits::HARDEST);
@@ -484,7 +486,7 @@ inline bool by_proximal_terms(const DenseProblem& problem, bool cohesion_only, O
         trial_of(problem, own, now, trial);
         project(problem, trial, nearest, states);
         const double error = error_of(problem.d, now, trial, nearest);
-        if (error <= DenseLimits::EXACT || (error > 0.5 * last && (sharp || error <= DenseLimits::ENOUGH))) {
+        if (error >= 0.5 * last && (sharp || error <= DenseLimits::ENOUGH)) {
             std::copy(now.begin(), now.end(), f.begin());
             return true;
         }
@@ -522,7 +524,7 @@ inline bool settle(const DenseProblem& problem, Output<1> f, IndicesOut<1> state
     }
     const Output<2> r = room(kept, m, 2);
     lengths(problem.d, problem.W, r);
-    if (newton(problem, r, f, states, DenseLimits::ROUNDS + 2 * m)) {
+    if (newton(problem, r, f, states, DenseLimits::ROUNDS + 2 * m, false)) {
         counts[Outcome::NEWTON]++;
         return true;
     }

@@ -866,10 +866,12 @@ def newton(
     f: Array,
     states: Indices,
     rounds: int,
+    moves: bool,
 ) -> bool:
     """Newton's method from f with full steps; whether it settled. If not, f stays as it is.
 
-    `rounds` is the most linear solves.
+    `rounds` is the most linear solves; one is made in any case if it `moves`, else only where f is
+    not the solution.
     """
 
 def ease(

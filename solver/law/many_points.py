@@ -108,8 +108,11 @@ class ManyPoints:
             return True
         return self._by_proximal_terms(local._replace(slope=TOUCHING_SLOPE), r, f)
 
-    def _newton(self, local: DenseProblem, r: Array, f: Array) -> bool:
-        """Newton's method from f with full steps; if it does not settle, f stays as it is."""
+    def _newton(self, local: DenseProblem, r: Array, f: Array, moves: bool = False) -> bool:
+        """Newton's method from f with full steps; if it does not settle, f stays as it is.
+
+        One is made in any case if it `moves`, else only where f is not the solution.
+        """
         force, trial, nearest = f.copy(), np.empty_like(f), np.empty_like(f)
         states = np.empty(len(r), np.int64)
         error, least, since, careful = np.inf, np.inf, 0, False
@@ -120,8 +123,11 @@ class ManyPoints:
             meshed.project(*local, trial, nearest, states)
             error = meshed.error_of(local.d, force, trial, nearest)
             # Forces that only balance each other show last: it goes on while that makes it better.
-            if error <= EXACT or (k > 0 and error <= 1.0 and error > 0.5 * last):
-                f[:] = force if error <= EXACT and k == 0 else nearest
+            if k == 0:
+                if error <= EXACT and not moves:
+                    return True
+            elif error <= EXACT or (error <= 1.0 and error > 0.5 * last):
+                f[:] = nearest
                 return True
             least, since = (error, 0) if error < least else (least, since + 1)
             if not error < np.inf or since > PATIENCE:
@@ -129,7 +135,7 @@ class ManyPoints:
             careful = careful or since > 0
             tolerance, least_tolerance = GMRES_TOLERANCES
             if careful or np.array_equal(states, before):
-                tolerance = min(tolerance, max(least_tolerance, EXACT / error))
+                tolerance = max(least_tolerance, min(tolerance, EXACT / max(error, EXACT)))
             before[:] = states
             force = self._linearised(local, r, trial, states, force, tolerance)
         return False
@@ -190,13 +196,13 @@ class ManyPoints:
         trial, nearest, states = np.empty_like(f), np.empty_like(f), np.empty(len(r), np.int64)
         for _ in range(PROXIMAL_ROUNDS):
             meshed.ease(*local, softness, False, now, soft, free, lengths)
-            if not self._newton(local._replace(W=soft, q=free), lengths, now):
+            if not self._newton(local._replace(W=soft, q=free), lengths, now, moves=True):
                 softness = SOFTENING * max(softness, HARDEST)
                 continue
             meshed.trial_of(*local, r, now, trial)
             meshed.project(*local, trial, nearest, states)
             error = meshed.error_of(local.d, now, trial, nearest)
-            if error <= EXACT or (error <= ENOUGH and error > 0.5 * last):
+            if error <= ENOUGH and error >= 0.5 * last:
                 f[:] = now
                 return True
             last, softness = error, HARDENING * softness

@@ -463,7 +463,7 @@ def test_newton_gives_up_forces_beyond_all_numbers(d):
         bounds, f = Bounds.uniform(0.5, 4), np.zeros(q.size)
         problem = d, W.reshape(q.size, q.size), size * q.ravel(), *bounds
         with np.errstate(over="ignore", invalid="ignore"):
-            if meshed.newton(*problem, r, f, states, 30):
+            if meshed.newton(*problem, r, f, states, 30, False):
                 found.append(f / size)
     assert len(found) == 2 and found[1] == pytest.approx(found[0])
 
