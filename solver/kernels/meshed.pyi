@@ -888,14 +888,10 @@ def ease(
     free: Array,
     r: Array,
 ) -> None:
-    """Fill in the problem with a term that holds forces, and its lengths r.
+    """Fill in the problem with a term that holds forces: `soft`, `free` and its lengths r.
 
-    Args:
-        softness: Size of the term, relative to the diagonal of W.
-        cohesion_only: True if the slope of friction does not make it larger in normal rows.
-        held: The forces.
-        soft: Compliance: its diagonal; the others are to be those of W.
-        free: Free values.
+    The term is `softness` times the diagonal of W; `cohesion_only` leaves friction out of what makes
+    it larger in normal rows. Of `soft` only the diagonal is written: the rest is to be that of W.
     """
 
 def by_proximal_points(
