@@ -890,8 +890,8 @@ def ease(
 ) -> None:
     """Fill in the problem with a term that holds forces: `soft`, `free` and its lengths r.
 
-    The term is `softness` times the diagonal of W; `cohesion_only` leaves friction out of what makes
-    it larger in normal rows. Of `soft` only the diagonal is written: the rest is to be that of W.
+    The term is `softness` times the diagonal of W; `cohesion_only` leaves friction out of what
+    makes it larger in normal rows. Only the diagonal of `soft` is written: others are those of W.
     """
 
 def by_proximal_points(
