@@ -34,11 +34,14 @@ where it is small; with the first alone Newton's method then wanders."""
 PATIENCE = 8
 """Newton steps that need not make the error smaller."""
 
-PROXIMAL_ROUNDS = 30
+PROXIMAL_ROUNDS = 100
 """Problems with a proximal term that are tried."""
 
 HARDENING, SOFTENING, HARDEST = 0.1, 3.0, 1e-12
 """Factors of that term after a problem solved and one not, and the least that is not 0."""
+
+SHORTER = 1e-3
+"""Part of the normal lengths r with which Newton's method tries again."""
 
 ENOUGH = 10.0
 """Times the error tolerated, where proximal terms make it no smaller."""
@@ -106,7 +109,14 @@ class ManyPoints:
         meshed.lengths(local.d, local.W, r)
         if self._newton(local, r, f):
             return True
-        return self._by_proximal_terms(local._replace(slope=TOUCHING_SLOPE), r, f)
+        local = local._replace(slope=TOUCHING_SLOPE)
+        if self._by_proximal_terms(local, r, f, cohesion_only=False):
+            return True
+        afresh = np.zeros_like(f)
+        if self._by_proximal_terms(local, r, afresh, cohesion_only=True):
+            f[:] = afresh
+            return True
+        return False
 
     def _newton(self, local: DenseProblem, r: Array, f: Array, moves: bool = False) -> bool:
         """Newton's method from f with full steps; if it does not settle, f stays as it is.
@@ -189,16 +199,21 @@ class ManyPoints:
 
         return apply
 
-    def _by_proximal_terms(self, local: DenseProblem, r: Array, f: Array) -> bool:
+    def _by_proximal_terms(
+        self, local: DenseProblem, r: Array, f: Array, cohesion_only: bool
+    ) -> bool:
         """The proximal point algorithm, as in `dense_problem.hpp`, from f; r are its lengths."""
         softness, last, now = 1.0, np.inf, f.copy()
         soft, free, lengths = local.W.copy(), np.empty_like(f), np.empty_like(r)
         trial, nearest, states = np.empty_like(f), np.empty_like(f), np.empty(len(r), np.int64)
+        eased = local._replace(W=soft, q=free)
         for _ in range(PROXIMAL_ROUNDS):
-            meshed.ease(*local, softness, False, now, soft, free, lengths)
-            if not self._newton(local._replace(W=soft, q=free), lengths, now, moves=True):
-                softness = SOFTENING * max(softness, HARDEST)
-                continue
+            meshed.ease(*local, softness, cohesion_only, now, soft, free, lengths)
+            if not self._newton(eased, lengths, now, moves=True):
+                lengths[:, 0] *= SHORTER
+                if not self._newton(eased, lengths, now, moves=True):
+                    softness = SOFTENING * max(softness, HARDEST)
+                    continue
             meshed.trial_of(*local, r, now, trial)
             meshed.project(*local, trial, nearest, states)
             error = meshed.error_of(local.d, now, trial, nearest)
