@@ -29,6 +29,7 @@ from benchmarks.rigid_world import scenes
 from benchmarks.rows import Row, write_table
 from rockslip import Scene, parse_scene
 from solver.rigid.system import RigidSystem, centre_of
+from solver.run.rigid import STEPS_AT_ONCE
 
 TABLE = Path(__file__).resolve().parents[1] / "rigid_world.csv"
 PEER = Path(__file__).with_name("peer.py")
@@ -82,7 +83,7 @@ def ours(case: Case, scene: Scene) -> Row:
     sinks = [k for k, name in enumerate(system.columns) if name.endswith(".penetration_m")]
     deepest, taken, kept = 0.0, 0.0, []
     while left:
-        count = min(left, max(20, 20000 // len(places)))
+        count = min(left, STEPS_AT_ONCE)
         ground = np.zeros((count + 1, scene.dimension))
         times = system.time + dt * np.arange(count + 1)
         ground[:, 0] = case.amplitude * np.sin(2 * math.pi * case.frequency * times)

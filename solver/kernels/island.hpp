@@ -20,7 +20,7 @@ template <int d> struct Island {
     std::vector<Contact<d>*> contacts;
     std::vector<Mat<unknowns, unknowns>> mass, inverse_mass;
     std::vector<Motion> free, w;             // motion without contacts, and with them
-    std::vector<Pair> length, own;           // r, and the diagonal of W = G M^-1 G^T
+    std::vector<Pair> own, share;            // the diagonal of W = G M^-1 G^T, and what it is of the row sums of |W|
     Pair least{};                            // of own: what moves the heaviest bodies
     std::vector<int> factored;               // states of the factors at hand
     double factored_softness = -1;

@@ -20,7 +20,6 @@ from solver.types import Array, Indices, Mask
 
 FALLBACKS = {
     "proximal": "softened",
-    "interior point": "interior",
     "velocity solve left out": "rung_4",
 }
 """Methods behind Newton's with full steps, by the counts that have them."""

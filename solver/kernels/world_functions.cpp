@@ -266,8 +266,8 @@ NamedNumbers world_counts(AnyStepper& held) {
             const auto& c = world.counts;
             const auto number = [](auto value) { return static_cast<double>(value); };
             return {{"solves", number(o.solves)}, {"warm", number(o.warm)}, {"newton", number(o.newton)},
-                    {"factorizations", number(o.factorizations)}, {"searched", number(o.searched)}, {"softened", number(o.softened)},
-                    {"interior", number(o.interior)}, {"failed", number(o.failed)}, {"loose", number(o.loose)}, {"loosest", o.loosest},
+                    {"factorizations", number(o.factorizations)}, {"softened", number(o.softened)},
+                    {"failed", number(o.failed)}, {"loose", number(o.loose)}, {"loosest", o.loosest},
                     {"outer", number(c.outer)}, {"late", number(c.late)}, {"widened", number(c.widened)}, {"halved", number(c.halved)},
                     {"cut", number(c.cut)}, {"contacts", number(c.contacts)}, {"most_contacts", number(c.most_contacts)},
                     {"rung_0", number(c.rungs[0])}, {"rung_1", number(c.rungs[1])}, {"rung_2", number(c.rungs[2])},

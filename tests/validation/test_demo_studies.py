@@ -17,6 +17,7 @@ import pytest
 from processes import ROOT, python
 
 from demos.study import read_table
+from solver.cli import build_parser
 
 pytestmark = pytest.mark.serial
 
@@ -74,6 +75,15 @@ def left(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], tuple[Path
         return folder, printed.getvalue()
 
     return made
+
+
+@pytest.mark.parametrize("name", list(DEMOS))
+def test_the_image_tries_it_with_options_that_it_has(name: str) -> None:
+    lines = (ROOT / ".ci" / "image").read_text().splitlines()
+    words = next(line for line in lines if line.strip().startswith(f"{name}) echo -"))
+    options = words.split("echo ")[1].removesuffix(" ;;").split()
+    command = module_of(name, DEMOS[name].script).COMMAND
+    build_parser().parse_args(["study", *command, *options])
 
 
 @pytest.mark.slow

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from benchmarks.assemblies import STEP, Assembly, run
+from benchmarks.stability.families import matrix
+from rockslip import parse_scene, simulate
 
 SEEDS = 0, 1, 2, 3, 4, 5, 8, 9, 11, 12, 13, 14, 16, 17, 19, 20
 """Of assemblies that take a second or less; `benchmarks.assemblies` runs as many as wanted."""
@@ -37,17 +39,25 @@ def test_a_solution_that_is_not_sharp_gains_nothing() -> None:
     )
     scale = np.abs(taken.stored).sum(axis=1).max()
     left = taken.stored.sum(axis=1) - taken.exchanged[:, 0]
-    assert world.counts()["loose"] > 10
+    assert world.counts()["loose"] > 0
     assert np.diff(left).max() < 2e-13 * scale
     assert np.diff(taken.exchanged[:, 1:].sum(axis=1)).min() > -2e-13 * scale
 
 
-def test_an_interior_point_helps_where_newton_cycles() -> None:
+def test_a_softer_term_helps_where_newton_cycles() -> None:
     """A wall under 1 g whose bricks weigh up to 1e4 times as much as others."""
     assembly, steps = Assembly(285), 600
     shift = np.zeros((steps, assembly.d))
     assembly.world.run(steps, STEP, STEP / 4096, assembly.ground(steps), shift)
     counts = assembly.world.counts()
-    assert counts["interior"] > 5
+    assert counts["softened"] > 5
     assert counts["failed"] == 0
     assert counts["unsettled"] == 0
+
+
+@pytest.mark.parametrize("friction", ["10", "1000"])
+def test_a_lintel_that_cannot_slide_settles(friction: str) -> None:
+    """Shaken on two posts: with so much friction a contact alone is hard for a soft term."""
+    place = "friction of neighbours", "lintel", friction
+    (case,) = [case for case in matrix() if (case.family, case.row, case.column) == place]
+    assert simulate(parse_scene(case.tables)).summary["unsettled"] is None

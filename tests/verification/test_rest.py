@@ -14,10 +14,12 @@ import pytest
 
 from benchmarks.rigid_world import scenes
 from benchmarks.rigid_world.rest import Rest, rest
-from rockslip import parse_scene, read_run, simulate
+from rockslip import load_scene, parse_scene, read_run, simulate
 from solver.history.pairs import force_on_first
 
 pytestmark = pytest.mark.serial
+
+CASK = Path(__file__).parents[2] / "demos" / "gallery" / "cask.toml"
 
 
 def cubes(seed: int) -> Rest:
@@ -78,3 +80,18 @@ def test_forces_and_moments_on_each_body_balance(tables: dict[str, Any], tmp_pat
     least = min(weights.values())
     assert max(np.abs(force).max() for force in forces.values()) < 1e-10 * least
     assert max(map(abs, moments.values())) < 1e-10 * least
+
+
+def test_a_cask_lifts_where_the_resultant_leaves_its_foot() -> None:
+    """Until then the 48 corners of its foot, of which three would do, obey the law of contact."""
+    scene = load_scene(CASK, ["time.end=0.848", "output.fields=none"])
+    history = simulate(scene).history
+    names = "base.acceleration_m_s2", "base.second_acceleration_m_s2"
+    pushed = -np.stack([history[name] for name in names], axis=1)
+    radius, corners = 0.22, 48
+    sides = 2.0 * np.pi * (np.arange(corners) + 0.5) / corners
+    outwards = pushed @ np.array([np.cos(sides), np.sin(sides)])
+    beyond = history["cask.centre_z_m"][0] / 9.81 * outwards.max(axis=1)
+    inside = beyond < radius * np.cos(np.pi / corners)
+    moves = history["cask.angle_rad"] > 1e-13
+    assert moves.any() and np.argmax(moves) == np.argmax(~inside)
