@@ -9,8 +9,8 @@
 // projection on the admissible forces: normal part first, then the disc, which is an interval for
 // d = 2 and absent for d = 1. The method is that of Alart and Curnier (1991). For d <= 2 it is the
 // active-set method: the state of each point, by f - r y, decides its forces, and the states are right
-// when they repeat themselves. Behind Newton's method stand slower ones; those that settled a problem
-// are counted.
+// when they repeat themselves. Where Newton's method with full steps does not settle a problem, the
+// proximal point algorithm does, by full steps, too; how often is counted.
 #pragma once
 
 #include <vector>
@@ -33,27 +33,26 @@ struct PointState {
     static constexpr std::int64_t OPEN = 0, STICK = 1, SLIP = 2, SLIP_TOUCHING = 3;
 };
 
-/// The outcomes of problems, as counted; 2 and more: the slower methods, in their order.
+/// The outcomes of problems, as counted.
 struct Outcome {
-    static constexpr std::int64_t NEWTON = 0, TOUCHING = 1, SLOWER = 2;
+    static constexpr std::int64_t NEWTON = 0, PROXIMAL = 1;
 };
 
 /// Where the methods end, and what they try.
 struct DenseLimits {
-    static constexpr double TOLERANCE = 1e-12;               // of a force, relative to the largest of its point
-    static constexpr double ROUND_OFF = 64 * 0x1p-52;        // the same, relative to the largest f or r y of all points
-    static constexpr double EXACT = 0.02;                    // part of these errors that no further step makes smaller
-    static constexpr std::int64_t ROUNDS = 20;               // Newton's linear solves, and two more for each point
-    static constexpr std::int64_t EASED_ROUNDS = 30;         // the same for an eased problem
-    static constexpr std::int64_t POLISHING_ROUNDS = 6;      // for the problem itself, from an eased one's solution
-    static constexpr std::int64_t HALVINGS = 12;             // of a step by the line search
-    static constexpr int PROXIMAL_ROUNDS = 100;              // problems with a proximal term that are tried
-    static constexpr double SOFTNESS = 1e-2;                 // the first term, relative to the diagonal of W
-    static constexpr double HARDEST = 1e-8, SOFTEST = 1e4;   // the least and the largest one
+    static constexpr double TOLERANCE = 1e-12;         // of a force, relative to the largest of its point
+    static constexpr double ROUND_OFF = 64 * 0x1p-52;  // the same, relative to the largest f or r y of all points
+    static constexpr double EXACT = 0.02;              // part of these errors that no further step makes smaller
+    static constexpr double ENOUGH = 10;               // times these errors, where proximal terms make them no smaller
+    static constexpr std::int64_t ROUNDS = 20;         // Newton's linear solves, and two more for each point
+    static constexpr std::int64_t EASED_ROUNDS = 12;   // the same for a problem with a proximal term
+    static constexpr int PROXIMAL_ROUNDS = 100;        // problems with a proximal term that are tried
+    static constexpr double SOFTNESS = 1;              // the first term, relative to the diagonal of W
+    static constexpr double HARDEST = 1e-12, SOFTEST = 1e4;  // the least that is not 0, and the largest one
     static constexpr double HARDENING = 0.1, SOFTENING = 3;  // factors of the term after a problem solved and one not
-    static constexpr double SMALLEST_SHARE = 1e-3;           // of friction, by which the continuation goes on
-    static constexpr int ONE_POINT_HALVINGS = 200;           // of the interval of the shift of a slipping point
-    static constexpr int SLOWER_METHODS = 2;                 // proximal terms, continuation
+    static constexpr double FOLLOWED = 0.1;            // part of the slope of friction in a normal length r
+    static constexpr double SHORTER = 1e-3;            // of it, where Newton's method does not settle with that
+    static constexpr int ONE_POINT_HALVINGS = 200;     // of the interval of the shift of a slipping point
 };
 
 // Numbers and dense algebra -----------------------------------------------------------------------
@@ -90,19 +89,6 @@ inline void product(Array<2> matrix, Array<1> vector, Output<1> found) {
         for (std::ptrdiff_t k = 0; k < size; k++) sum += matrix(i, k) * vector[k];
         found[i] = sum;
     }
-}
-
-/// Size of the difference of two vectors; that of large ones, whose squares are infinite, too.
-inline double distance(Array<1> a, Array<1> b) {
-    double largest = 0, sum = 0;
-    for (std::ptrdiff_t k = 0; k < a.length(); k++) largest = std::max(largest, std::fabs(a[k] - b[k]));
-    if (!(largest < INFINITY)) return largest;
-    const double scale = largest > 0 ? largest : 1.0;
-    for (std::ptrdiff_t k = 0; k < a.length(); k++) {
-        const double part = (a[k] - b[k]) / scale;
-        sum += part * part;
-    }
-    return scale * std::sqrt(sum);
 }
 
 /// Gaussian elimination of a panel: of `width` unknowns from k on, by the largest pivots, in its own columns; rows
@@ -167,20 +153,18 @@ inline bool solve_dense(Output<2> matrix, Output<1> right) {
 
 // Newton's method ---------------------------------------------------------------------------------
 
-/// The lengths r, normal and tangential, (m, 2): one over the diagonal of W, or (`shared`) over row sums; N/m.
+/// The lengths r, normal and tangential, (m, 2): one over row sums of |W| within a direction; N/m.
 ///
 /// Points of a stiff body share its rigid modes: W is nearly of low rank, and one over its diagonal too large by about
-/// the number of points. Row sums are those of |W| within a direction.
-inline void lengths(std::int64_t d, Array<2> W, bool shared, Output<2> r) {
+/// the number of points.
+inline void lengths(std::int64_t d, Array<2> W, Output<2> r) {
     for (std::ptrdiff_t i = 0; i < r.length(); i++) {
         double compliance[2] = {0.0, d > 1 ? 0.0 : 1.0};
         for (std::ptrdiff_t k = 0; k < d; k++) {  // one length for both tangential directions: a disc has no favourite
             const Array<1> row = W[d * i + k];
-            double own = shared ? 0.0 : row[d * i + k];
-            if (shared)
-                for (std::ptrdiff_t j = k; j < row.length(); j += d) own += std::fabs(row[j]);
-            double& way = compliance[k > 0];
-            way = k < 2 ? own : std::max(way, own);
+            double sum = 0.0;
+            for (std::ptrdiff_t j = k; j < row.length(); j += d) sum += std::fabs(row[j]);
+            compliance[k > 0] = std::max(compliance[k > 0], sum);
         }
         r(i, 0) = 1.0 / compliance[0];
         r(i, 1) = 1.0 / compliance[1];
@@ -342,52 +326,18 @@ inline double error_of(std::int64_t d, Array<1> f, Array<1> trial, Array<1> near
     return worst;
 }
 
-/// Goes a part of the way from f to its target.
-inline void go(Array<1> f, Array<1> target, double part, Output<1> reached) {
-    for (std::ptrdiff_t k = 0; k < f.length(); k++) reached[k] = f[k] + part * (target[k] - f[k]);
-}
-
-/// The part of the way from f to its target that lowers |f - P(f - r y)| enough, else most.
-inline double best_step(const DenseProblem& problem, Array<2> r, Array<1> f, Array<1> target, std::int64_t halvings) {
+/// Newton's method from f with full steps; whether it settled. If so f is the solution, else it stays as it is.
+///
+/// `rounds` is the most linear solves; one is made in any case if it `moves`, else only where f is not the solution. The
+/// states are left as those of the last forces.
+inline bool newton(const DenseProblem& problem, Array<2> r, Output<1> f, IndicesOut<1> states, std::int64_t rounds,
+                   bool moves) {
     static thread_local struct {
         std::vector<double> force, trial, nearest;
-        std::vector<std::int64_t> states;
-    } kept;
-    const Output<1> force = room(kept.force, f.length()), trial = room(kept.trial, f.length());
-    const Output<1> nearest = room(kept.nearest, f.length());
-    const IndicesOut<1> states = room(kept.states, r.length());
-    const auto left_at = [&](Array<1> at) {
-        trial_of(problem, r, at, trial);
-        project(problem, trial, nearest, states);
-        return distance(at, nearest);
-    };
-    const double before = left_at(f);
-    double step = 1.0, best = 1.0, least = INFINITY;
-    for (std::int64_t k = 0; k <= halvings; k++) {
-        go(f, target, step, force);
-        const double left = left_at(force);
-        if (left < least) {
-            least = left;
-            best = step;
-        }
-        if (left <= (1.0 - 0.1 * step) * before) return step;
-        step *= 0.5;
-    }
-    return best;
-}
-
-/// Newton's method from f; whether it settled. If so f is the solution, else it stays as it is.
-///
-/// `rounds` is the most linear solves, `halvings` how often the line search may halve a step; with 0 steps are full.
-/// The states are left as those of the last forces.
-inline bool newton(const DenseProblem& problem, Array<2> r, Output<1> f, IndicesOut<1> states, std::int64_t rounds,
-                   std::int64_t halvings) {
-    static thread_local struct {
-        std::vector<double> force, trial, nearest, target;
         std::vector<std::int64_t> before, seen;
     } kept;
     const Output<1> force = room(kept.force, f.length()), trial = room(kept.trial, f.length());
-    const Output<1> nearest = room(kept.nearest, f.length()), target = room(kept.target, f.length());
+    const Output<1> nearest = room(kept.nearest, f.length());
     const IndicesOut<1> before = room(kept.before, states.length()), seen = room(kept.seen, states.length());
     const auto alike = [&](Indices<1> others) { return std::equal(states.begin(), states.end(), others.begin()); };
     double error = INFINITY;
@@ -397,18 +347,14 @@ inline bool newton(const DenseProblem& problem, Array<2> r, Output<1> f, Indices
         error = error_of(problem.d, at, trial, nearest);
     };
     look(f);
-    if (error <= DenseLimits::EXACT) return true;
-    std::copy(f.begin(), f.end(), force.begin());
+    if (error <= DenseLimits::EXACT && !moves) return true;
     seen.fill(-9);
     for (std::int64_t k = 0; k < rounds; k++) {
-        if (!linearised(problem, r, trial, states, target)) return false;
-        const double step = halvings == 0 ? 1.0 : best_step(problem, r, force, target, halvings);
-        if (step == 1.0) std::copy(target.begin(), target.end(), force.begin());
-        else go(force, target, step, force);
+        if (!linearised(problem, r, trial, states, force)) return false;
         std::copy(states.begin(), states.end(), before.begin());
         const double last = error;
         look(force);
-        if (problem.d < 3 && step == 1.0 && error < INFINITY && alike(before)) {
+        if (problem.d < 3 && error < INFINITY && alike(before)) {
             std::copy(force.begin(), force.end(), f.begin());
             return true;
         }
@@ -417,7 +363,7 @@ inline bool newton(const DenseProblem& problem, Array<2> r, Output<1> f, Indices
             std::copy(nearest.begin(), nearest.end(), f.begin());
             return true;
         }
-        if (problem.d < 3 && halvings == 0) {
+        if (problem.d < 3) {
             if (alike(seen)) return false;  // a cycle
             if ((k & (k + 1)) == 0) std::copy(states.begin(), states.end(), seen.begin());
         }
@@ -484,20 +430,26 @@ inline bool settle_one_point(const DenseProblem& problem, Output<1> f, IndicesOu
     return true;
 }
 
-// Slower methods ----------------------------------------------------------------------------------
-// Neither is proved to converge under Coulomb's law, where the bounds depend on the solution; hence there are two.
-// docs/method.md has what each of them settles.
+// Proximal points ---------------------------------------------------------------------------------
 
-/// Newton's method with either r, with full steps and then with line search if it `searches`.
-inline bool settles(const DenseProblem& problem, Output<1> f, IndicesOut<1> states, std::int64_t rounds,
-                    bool searches) {
-    static thread_local std::vector<double> kept;
-    const Output<2> r = room(kept, states.length(), 2);
-    for (int k = 0; k < (searches ? 4 : 2); k++) {
-        lengths(problem.d, problem.W, k % 2 == 0, r);
-        if (newton(problem, r, f, states, rounds, k < 2 ? 0 : DenseLimits::HALVINGS)) return true;
+/// Writes W and q of the problem with a term D (f - held), but for the entries of W beside the diagonal, and lengths r.
+///
+/// D is `softness` times the diagonal of W. Friction follows a normal force by a slope, which makes W larger there:
+/// normal parts of D are larger by that of friction, or (`cohesion_only`) of cohesion that is built up, and r smaller.
+inline void ease(const DenseProblem& problem, double softness, bool cohesion_only, Array<1> held, Output<2> W,
+                 Output<1> q, Output<2> r) {
+    const std::ptrdiff_t d = problem.d;
+    const auto slope = [&](std::ptrdiff_t i) {
+        return problem.bounds[i].line(std::max(held[d * i], 0.0))[0] - (cohesion_only ? problem.bounds.mu[i] : 0.0);
+    };
+    for (std::ptrdiff_t k = 0; k < q.length(); k++) {
+        // Where friction is part of the compliance, the diagonal may be below 0.
+        const double added = softness * std::fabs(problem.W(k, k)) * (k % d == 0 ? 1.0 + slope(k / d) : 1.0);
+        W(k, k) = problem.W(k, k) + added;
+        q[k] = problem.q[k] - added * held[k];
     }
-    return false;
+    lengths(d, W, r);
+    for (std::ptrdiff_t i = 0; i < r.length(); i++) r(i, 0) /= 1.0 + DenseLimits::FOLLOWED * slope(i);
 }
 
 /// The proximal point algorithm, with a term that follows how well Newton's method does.
@@ -506,80 +458,60 @@ inline bool settles(const DenseProblem& problem, Output<1> f, IndicesOut<1> stat
 /// holds back forces that only balance each other, of which W says next to nothing: Newton's method would throw them
 /// about. As the motion settles the term can become smaller, and once it is near the diagonal that makes these forces
 /// unique, they settle, too.
-inline bool by_proximal_terms(const DenseProblem& problem, Output<1> f, IndicesOut<1> states) {
+inline bool by_proximal_terms(const DenseProblem& problem, bool cohesion_only, Output<1> f, IndicesOut<1> states) {
     static thread_local struct {
-        std::vector<double> soft, free, now, trial;
+        std::vector<double> soft, free, now, trial, nearest, r, own;
     } kept;
-    const std::ptrdiff_t size = f.length();
-    const Output<2> soft = room(kept.soft, size, size);
-    const Output<1> free = room(kept.free, size), now = room(kept.now, size), trial = room(kept.trial, size);
+    const std::ptrdiff_t size = f.length(), m = states.length();
+    const Output<2> soft = room(kept.soft, size, size), r = room(kept.r, m, 2), own = room(kept.own, m, 2);
+    const Output<1> free = room(kept.free, size), now = room(kept.now, size);
+    const Output<1> trial = room(kept.trial, size), nearest = room(kept.nearest, size);
     const DenseProblem eased{problem.d, soft, free, problem.bounds};
     std::copy(problem.W.begin(), problem.W.end(), soft.begin());
     std::copy(f.begin(), f.end(), now.begin());
-    double softness = DenseLimits::SOFTNESS;
-    for (int round = 0; round < DenseLimits::PROXIMAL_ROUNDS; round++) {
-        for (std::ptrdiff_t k = 0; k < size; k++) {
-            const double added = softness * problem.W(k, k);
-            soft(k, k) = problem.W(k, k) + added;
-            free[k] = problem.q[k] - added * now[k];
+    lengths(problem.d, problem.W, own);
+    double softness = DenseLimits::SOFTNESS, last = INFINITY;
+    for (int round = 0; round < DenseLimits::PROXIMAL_ROUNDS && softness <= DenseLimits::SOFTEST; round++) {
+        ease(problem, softness, cohesion_only, now, soft, free, r);
+        bool settled = newton(eased, r, now, states, DenseLimits::EASED_ROUNDS, true);
+        const bool sharp = settled && softness == 0.0;
+        if (!settled) {
+            for (std::ptrdiff_t i = 0; i < m; i++) r(i, 0) *= DenseLimits::SHORTER;
+            settled = newton(eased, r, now, states, DenseLimits::EASED_ROUNDS, true);
         }
-        if (settles(eased, now, states, DenseLimits::EASED_ROUNDS, true)) {
-            std::copy(now.begin(), now.end(), trial.begin());
-            if (settles(problem, trial, states, DenseLimits::POLISHING_ROUNDS, false)) {
-                std::copy(trial.begin(), trial.end(), f.begin());
-                return true;
-            }
-            softness = std::max(DenseLimits::HARDEST, DenseLimits::HARDENING * softness);
-        } else {
-            softness *= DenseLimits::SOFTENING;
-            if (softness > DenseLimits::SOFTEST) return false;
+        if (!settled) {
+            softness = DenseLimits::SOFTENING * std::max(softness, DenseLimits::HARDEST);
+            continue;
         }
+        trial_of(problem, own, now, trial);
+        project(problem, trial, nearest, states);
+        const double error = error_of(problem.d, now, trial, nearest);
+        if (error >= 0.5 * last && (sharp || error <= DenseLimits::ENOUGH)) {
+            std::copy(now.begin(), now.end(), f.begin());
+            return true;
+        }
+        last = error;
+        softness *= DenseLimits::HARDENING;
+        if (softness < DenseLimits::HARDEST) softness = 0.0;
     }
     return false;
 }
 
-/// From the problem without friction to that with all of it.
-inline bool by_continuation(const DenseProblem& problem, Output<1> f, IndicesOut<1> states) {
-    static thread_local struct {
-        std::vector<double> now, mu, cohesion;
-    } kept;
-    const PointBounds& bounds = problem.bounds;
-    const Output<1> now = room(kept.now, f.length()), mu = room(kept.mu, states.length());
-    const Output<1> cohesion = room(kept.cohesion, states.length());
-    std::copy(f.begin(), f.end(), now.begin());
-    double done = 0.0, step = 0.25, share = 0.0;
-    while (step > DenseLimits::SMALLEST_SHARE) {
-        for (std::ptrdiff_t i = 0; i < states.length(); i++) {
-            mu[i] = share * bounds.mu[i];
-            cohesion[i] = share * bounds.cohesion[i];
-        }
-        const double slope = bounds.slope == INFINITY ? bounds.slope : share * bounds.slope;
-        const DenseProblem eased{problem.d, problem.W, problem.q, {mu, cohesion, slope}};
-        if (settles(eased, now, states, DenseLimits::EASED_ROUNDS, true)) {
-            if (share == 1.0) {
-                std::copy(now.begin(), now.end(), f.begin());
-                return true;
-            }
-            done = share;
-            step *= 1.5;
-        } else if (share == 0.0) {
-            return false;
-        } else {
-            step *= 0.5;
-        }
-        share = std::min(1.0, done + step);
-    }
-    return false;
-}
-
-/// Solves by a slower method, 0: proximal terms, 1: continuation; f is the guess, and the answer if it settled.
-inline bool fallback(const DenseProblem& problem, std::int64_t method, Output<1> f, IndicesOut<1> states) {
-    return method == 0 ? by_proximal_terms(problem, f, states) : by_continuation(problem, f, states);
+/// The proximal point algorithm from the guess f, and once more from no forces, with another term; f is the answer if
+/// it settled.
+inline bool by_proximal_points(const DenseProblem& problem, Output<1> f, IndicesOut<1> states) {
+    static thread_local std::vector<double> kept;
+    if (by_proximal_terms(problem, false, f, states)) return true;
+    const Output<1> now = room(kept, f.length());
+    now.fill(0.0);
+    if (!by_proximal_terms(problem, true, now, states)) return false;
+    std::copy(now.begin(), now.end(), f.begin());
+    return true;
 }
 
 // All of it ---------------------------------------------------------------------------------------
 
-/// Newton's method, then the slower ones.
+/// Newton's method, then the proximal point algorithm.
 ///
 /// All cohesion at once may lift its own point, and then there is no solution: behind the first try it is built up
 /// over the first pressure instead.
@@ -591,27 +523,16 @@ inline bool settle(const DenseProblem& problem, Output<1> f, IndicesOut<1> state
         return true;
     }
     const Output<2> r = room(kept, m, 2);
-    lengths(problem.d, problem.W, true, r);
-    const std::int64_t rounds = DenseLimits::ROUNDS + 2 * m;
-    if (newton(problem, r, f, states, rounds, 0)) {
+    lengths(problem.d, problem.W, r);
+    if (newton(problem, r, f, states, DenseLimits::ROUNDS + 2 * m, false)) {
         counts[Outcome::NEWTON]++;
         return true;
     }
     DenseProblem touching = problem;
-    const Array<1>& cohesion = problem.bounds.cohesion;
-    if (std::any_of(cohesion.begin(), cohesion.end(), [](double c) { return c > 0.0; })) {
-        touching.bounds.slope = COHESION_SLOPE;
-        if (newton(touching, r, f, states, rounds, 0)) {
-            counts[Outcome::TOUCHING]++;
-            return true;
-        }
-    }
-    for (std::int64_t method = 0; method < DenseLimits::SLOWER_METHODS; method++)
-        if (fallback(touching, method, f, states)) {
-            counts[Outcome::SLOWER + method]++;
-            return true;
-        }
-    return false;
+    touching.bounds.slope = COHESION_SLOPE;
+    if (!by_proximal_points(touching, f, states)) return false;
+    counts[Outcome::PROXIMAL]++;
+    return true;
 }
 
 /// Solves a local problem; false where no method settled it.

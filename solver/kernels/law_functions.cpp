@@ -36,9 +36,9 @@ std::vector<PyMethodDef> law_functions() {
         of_problem<unknowns>("unknowns"),
         of_problem<equations>("equations"),
         of_problem<write_forces>("write_forces"),
-        of_problem<best_step>("best_step"),
         of_problem<newton>("newton"),
-        of_problem<fallback>("fallback"),
+        of_problem<ease>("ease"),
+        of_problem<by_proximal_points>("by_proximal_points"),
         of_problem<solve_problem>("solve"),
         entry<solve_points>("solve_points"),
     };

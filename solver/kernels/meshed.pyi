@@ -774,8 +774,8 @@ def solve_dense(matrix: Array, right: Array) -> bool:
     The matrix is used up.
     """
 
-def lengths(d: int, W: Array, shared: bool, r: Array) -> None:
-    """Fill in the lengths r: one over the diagonal of W, or (`shared`) over row sums of |W|."""
+def lengths(d: int, W: Array, r: Array) -> None:
+    """Fill in the lengths r: one over row sums of |W| within a direction."""
 
 def error_of(d: int, f: Array, trial: Array, nearest: Array) -> float:
     """Difference between f and P(f - r y), 1 being what is tolerated; infinite beyond numbers."""
@@ -855,20 +855,6 @@ def write_forces(
 ) -> None:
     """Fill in all forces f by the unknowns x of the equations."""
 
-def best_step(
-    d: int,
-    W: Array,
-    q: Array,
-    mu: Array,
-    cohesion: Array,
-    slope: float,
-    r: Array,
-    f: Array,
-    target: Array,
-    halvings: int,
-) -> float:
-    """The part of the way from f to its target that lowers |f - P(f - r y)| enough, else most."""
-
 def newton(
     d: int,
     W: Array,
@@ -880,26 +866,45 @@ def newton(
     f: Array,
     states: Indices,
     rounds: int,
-    halvings: int,
+    moves: bool,
 ) -> bool:
-    """Newton's method from f; whether it settled. If so f is the solution, else it stays as it is.
+    """Newton's method from f with full steps; whether it settled. If not, f stays as it is.
 
-    `rounds` is the most linear solves, `halvings` how often the line search may halve a step; with
-    0 steps are full.
+    `rounds` is the most linear solves; one is made in any case if it `moves`, else only where f is
+    not the solution.
     """
 
-def fallback(
+def ease(
     d: int,
     W: Array,
     q: Array,
     mu: Array,
     cohesion: Array,
     slope: float,
-    method: int,
+    softness: float,
+    cohesion_only: bool,
+    held: Array,
+    soft: Array,
+    free: Array,
+    r: Array,
+) -> None:
+    """Fill in the problem with a term that holds forces: `soft`, `free` and its lengths r.
+
+    The term is `softness` times the diagonal of W; `cohesion_only` leaves friction out of what
+    makes it larger in normal rows. Only the diagonal of `soft` is written: others are those of W.
+    """
+
+def by_proximal_points(
+    d: int,
+    W: Array,
+    q: Array,
+    mu: Array,
+    cohesion: Array,
+    slope: float,
     f: Array,
     states: Indices,
 ) -> bool:
-    """Solve by a method of `FALLBACKS`; f is the guess, and the answer if it settled."""
+    """Solve by the proximal point algorithm; f is the guess, and the answer if it settled."""
 
 def solve(
     d: int,

@@ -1,7 +1,7 @@
 """The local contact problem: Signorini and Coulomb at points coupled by a small dense matrix.
 
 `solver/kernels/dense_problem.hpp` states the problem. Newton's method settles nearly all of them;
-behind it stand slower methods, and the names of those that settled a problem are counted.
+behind it stands the proximal point algorithm, and how often it was needed is counted.
 """
 
 from __future__ import annotations
@@ -15,16 +15,14 @@ from solver.law.friction import Bounds
 from solver.law.many_points import MANY_ROWS, ManyPoints
 from solver.types import Array, Indices
 
-#: Names of the methods behind Newton's, in the order in which they are tried.
-FALLBACKS = ("proximal", "continuation")
 #: What can become of a local problem, as counted.
-OUTCOMES = ("Newton", "touching", *FALLBACKS, "velocity solve left out")
-#: Rows of a problem of many points up to which these methods are tried, too.
+OUTCOMES = ("Newton", "proximal", "velocity solve left out")
+#: Rows of a problem of many points up to which the methods for few of them are tried, too.
 FALLBACK_ROWS = 600
 
 
 class NoContactSolution(Exception):
-    """The local problem was settled by no method; a smaller time step is the remedy."""
+    """The local problem did not settle; a smaller time step is the remedy."""
 
 
 def new_counts() -> Indices:
@@ -56,7 +54,7 @@ class LocalProblem:
 
     @property
     def fallbacks(self) -> Counter[str]:
-        """Numbers of problems that needed more than Newton's method, by name of the fallback."""
+        """Numbers of problems that needed more than Newton's method, by name of the outcome."""
         return named(self.counts)
 
     def solve(
@@ -67,7 +65,7 @@ class LocalProblem:
         By their numbers, (m,), many points are known again in the next problem.
 
         Raises:
-            NoContactSolution: Where every method failed.
+            NoContactSolution: Where neither method settled it.
         """
         m, force = len(start), np.ascontiguousarray(start).copy()
         whole, free = np.ascontiguousarray(W), np.ascontiguousarray(q)

@@ -22,9 +22,6 @@ MANY_ROWS = 300
 ROUNDS = 40
 """Most Newton steps."""
 
-HALVINGS = 12
-"""Halvings of a step by the line search."""
-
 GMRES_STEPS = (10, 150)
 """Fewest and most steps of GMRES after which the equations are factorized anew: in between, the
 fortieth part of their number, which take about as long as the factors."""
@@ -37,8 +34,17 @@ where it is small; with the first alone Newton's method then wanders."""
 PATIENCE = 8
 """Newton steps that need not make the error smaller."""
 
-PROXIMAL_ROUNDS = 30
+PROXIMAL_ROUNDS = 100
 """Problems with a proximal term that are tried."""
+
+HARDENING, SOFTENING, HARDEST = 0.1, 3.0, 1e-12
+"""Factors of that term after a problem solved and one not, and the least that is not 0."""
+
+SHORTER = 1e-3
+"""Part of the normal lengths r with which Newton's method tries again."""
+
+ENOUGH = 10.0
+"""Times the error tolerated, where proximal terms make it no smaller."""
 
 EXACT = 0.02
 """Part of the error tolerated (`meshed.error_of`) that no further step makes smaller."""
@@ -98,26 +104,25 @@ class ManyPoints:
         return settled
 
     def _settle(self, local: DenseProblem, f: Array) -> bool:
-        """Newton's method, with line search, with cohesion built up, with proximal terms."""
-        if self._settles(local, f):
-            return True
-        if np.any(local.cohesion > 0.0):
-            local = local._replace(slope=TOUCHING_SLOPE)
-            if self._settles(local, f):
-                return True
-        return self._by_proximal_terms(local, f)
-
-    def _settles(self, local: DenseProblem, f: Array) -> bool:
-        """Newton's method with full steps, then with line search and either length r."""
+        """Newton's method, then the proximal point algorithm, with cohesion built up."""
         r = np.empty((len(local.mu), 2))
-        for shared, halvings in ((True, 0), (True, HALVINGS), (False, HALVINGS)):
-            meshed.lengths(local.d, local.W, shared, r)
-            if self._newton(local, r, f, halvings):
-                return True
+        meshed.lengths(local.d, local.W, r)
+        if self._newton(local, r, f):
+            return True
+        local = local._replace(slope=TOUCHING_SLOPE)
+        if self._by_proximal_terms(local, r, f, cohesion_only=False):
+            return True
+        afresh = np.zeros_like(f)
+        if self._by_proximal_terms(local, r, afresh, cohesion_only=True):
+            f[:] = afresh
+            return True
         return False
 
-    def _newton(self, local: DenseProblem, r: Array, f: Array, halvings: int) -> bool:
-        """Newton's method from f; True if it settled. If not, f stays as it is."""
+    def _newton(self, local: DenseProblem, r: Array, f: Array, moves: bool = False) -> bool:
+        """Newton's method from f with full steps; if it does not settle, f stays as it is.
+
+        One is made in any case if it `moves`, else only where f is not the solution.
+        """
         force, trial, nearest = f.copy(), np.empty_like(f), np.empty_like(f)
         states = np.empty(len(r), np.int64)
         error, least, since, careful = np.inf, np.inf, 0, False
@@ -128,8 +133,11 @@ class ManyPoints:
             meshed.project(*local, trial, nearest, states)
             error = meshed.error_of(local.d, force, trial, nearest)
             # Forces that only balance each other show last: it goes on while that makes it better.
-            if error <= EXACT or (k > 0 and error <= 1.0 and error > 0.5 * last):
-                f[:] = force if error <= EXACT and k == 0 else nearest
+            if k == 0:
+                if error <= EXACT and not moves:
+                    return True
+            elif error <= EXACT or (error <= 1.0 and error > 0.5 * last):
+                f[:] = nearest
                 return True
             least, since = (error, 0) if error < least else (least, since + 1)
             if not error < np.inf or since > PATIENCE:
@@ -137,11 +145,9 @@ class ManyPoints:
             careful = careful or since > 0
             tolerance, least_tolerance = GMRES_TOLERANCES
             if careful or np.array_equal(states, before):
-                tolerance = min(tolerance, max(least_tolerance, EXACT / error))
+                tolerance = max(least_tolerance, min(tolerance, EXACT / max(error, EXACT)))
             before[:] = states
-            target = self._linearised(local, r, trial, states, force, tolerance)
-            part = 1.0 if halvings == 0 else meshed.best_step(*local, r, force, target, halvings)
-            force = target if part == 1.0 else force + part * (target - force)
+            force = self._linearised(local, r, trial, states, force, tolerance)
         return False
 
     def _linearised(
@@ -193,22 +199,30 @@ class ManyPoints:
 
         return apply
 
-    def _by_proximal_terms(self, local: DenseProblem, f: Array) -> bool:
-        """The proximal point algorithm, as in `dense_problem.hpp`."""
-        softness, now, r = 1e-2, f.copy(), np.empty((len(local.mu), 2))
-        meshed.lengths(local.d, local.W, True, r)
+    def _by_proximal_terms(
+        self, local: DenseProblem, r: Array, f: Array, cohesion_only: bool
+    ) -> bool:
+        """The proximal point algorithm, as in `dense_problem.hpp`, from f; r are its lengths."""
+        softness, last, now = 1.0, np.inf, f.copy()
+        soft, free, lengths = local.W.copy(), np.empty_like(f), np.empty_like(r)
+        trial, nearest, states = np.empty_like(f), np.empty_like(f), np.empty(len(r), np.int64)
+        eased = local._replace(W=soft, q=free)
         for _ in range(PROXIMAL_ROUNDS):
-            soft, added = local.W.copy(), softness * np.diag(local.W)
-            soft[np.diag_indices(len(f))] += added
-            eased = local._replace(W=soft, q=local.q - added * now)
-            if not self._settles(eased, now):
-                softness *= 3.0
-                continue
-            trial = now.copy()
-            if self._newton(local, r, trial, 0):
-                f[:] = trial
+            meshed.ease(*local, softness, cohesion_only, now, soft, free, lengths)
+            if not self._newton(eased, lengths, now, moves=True):
+                lengths[:, 0] *= SHORTER
+                if not self._newton(eased, lengths, now, moves=True):
+                    softness = SOFTENING * max(softness, HARDEST)
+                    continue
+            meshed.trial_of(*local, r, now, trial)
+            meshed.project(*local, trial, nearest, states)
+            error = meshed.error_of(local.d, now, trial, nearest)
+            if error <= ENOUGH and error >= 0.5 * last:
+                f[:] = now
                 return True
-            softness = max(1e-8, 0.1 * softness)
+            last, softness = error, HARDENING * softness
+            if softness < HARDEST:
+                softness = 0.0
         return False
 
 
@@ -222,26 +236,11 @@ def gmres(A: Array, precondition: Any, right: Array, steps: int, tolerance: floa
         steps: Most of them.
         tolerance: What may be left of the residual.
     """
-    norm = float(np.linalg.norm(right))
-    if not 0.0 < norm < np.inf:
-        return np.zeros_like(right) if norm == 0.0 else None
-    basis, directions = np.empty((steps + 1, len(right))), np.empty((steps, len(right)))
-    H, basis[0] = np.zeros((steps + 1, steps)), right / norm
-    for k in range(steps):
-        directions[k] = precondition(basis[k])
-        vector = A @ directions[k]
-        for _ in range(2):  # once more: what is left of others would be amplified
-            parts = basis[: k + 1] @ vector
-            H[: k + 1, k] += parts
-            vector -= parts @ basis[: k + 1]
-        H[k + 1, k] = np.linalg.norm(vector)
-        if not np.isfinite(H[k + 1, k]):
-            return None
-        target = np.zeros(k + 2)
-        target[0] = norm
-        share = np.linalg.lstsq(H[: k + 2, : k + 1], target, rcond=None)[0]
-        left = float(np.linalg.norm(H[: k + 2, : k + 1] @ share - target)) / norm
-        if left <= tolerance:
-            return np.asarray(share @ directions[: k + 1])
-        basis[k + 1] = vector / H[k + 1, k]
-    return None
+    from scipy.sparse.linalg import LinearOperator
+    from scipy.sparse.linalg import gmres as solve
+
+    if not np.isfinite(right).all():
+        return None
+    operator = LinearOperator(A.shape, lambda x: A @ precondition(x), dtype=float)
+    found, left = solve(operator, right, rtol=tolerance, restart=steps, maxiter=1)
+    return None if left else np.asarray(precondition(found))

@@ -11,6 +11,7 @@ from solver.law.friction import Bounds
 from solver.law.local_problem import LocalProblem, image, new_counts
 from solver.law.many_points import MANY_ROWS, ManyPoints, gmres
 from solver.law.velocity import impulse_correction
+from tests.unit.test_local_problem import block, violation
 
 
 def half_space(side: int, d: int) -> tuple[np.ndarray, np.ndarray]:
@@ -147,6 +148,23 @@ def test_impulses_of_many_points_are_those_of_the_small_solver(d: int) -> None:
     np.testing.assert_allclose(found.q, q, rtol=0, atol=1e-9 * np.abs(q).max())
     assert found.contact == pytest.approx(small[1], rel=1e-8)
     assert found.friction == pytest.approx(small[2], rel=1e-6, abs=1e-9)
+
+
+@pytest.mark.parametrize("seed", [6, 8, 12, 24, 45])
+def test_what_newtons_method_leaves_is_settled(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Points under a rigid block, friction up to 50, some with cohesion."""
+    W, q, bounds = block(seed, 104)
+    force, terms, ease = np.zeros_like(q), [], meshed.ease
+
+    def counted(*arguments: Any) -> None:
+        terms.append(arguments[6])
+        ease(*arguments)
+
+    monkeypatch.setattr(many_points.meshed, "ease", counted)
+    flat = W.reshape(q.size, q.size), q.ravel(), bounds, force.reshape(-1)
+    assert ManyPoints().solve(3, *flat)
+    assert len(terms) > 1
+    assert violation(W, q, force, bounds) < 1e-9
 
 
 def test_gmres_says_when_it_does_not_get_there() -> None:
