@@ -46,7 +46,8 @@ template <int d> class Stepper {
   private:
     static constexpr int CUTS = 5, MOST_WIDENED = 3;
     static constexpr int MOST_ROUGH = 16;      // parts of a step in which halves do not help
-    static constexpr int MOST_MOVING = 12;     // bodies that move in a group that is cut where nothing rebounds
+    static constexpr int LARGEST_CUT = 12;     // bodies of a group that is cut where nothing rebounds
+    static constexpr int FEW_MOVING = 6;       // bodies that move in a larger one that is cut all the same
     static constexpr double FRACTURE = 1e-6;   // of the strength of a link, where events before change the instant
 
     /// Steps some bodies; where that needs it, in groups and in pieces.
@@ -81,7 +82,7 @@ template <int d> class Stepper {
     /// True if a group is stepped to the instant at which something happens. Where many bodies move, something
     /// happens in every step: there that is dear, and plastic impacts are of first order without.
     bool is_cut(const Step<d>& step) const {
-        if (moving_bodies(world, step) <= MOST_MOVING || has_fracture(world, step)) return true;
+        if (static_cast<int>(step.members.size()) <= LARGEST_CUT || moving_bodies(world, step) <= FEW_MOVING || has_fracture(world, step)) return true;
         return std::any_of(step.contacts.begin(), step.contacts.end(), [&](const Contact<d>& k) {
             return k.law->restitution > 0 && strikes(world, step, k, step.pull);
         });
