@@ -83,7 +83,8 @@ def test_the_image_tries_it_with_options_that_it_has(name: str) -> None:
     words = next(line for line in lines if line.strip().startswith(f"{name}) echo -"))
     options = words.split("echo ")[1].removesuffix(" ;;").split()
     command = module_of(name, DEMOS[name].script).COMMAND
-    build_parser().parse_args(["study", *command, *options])
+    given = build_parser().parse_args(["study", *command, *options])
+    assert given.study == command[0]
 
 
 @pytest.mark.slow
