@@ -132,6 +132,7 @@ template <int d> class LocalProblem {
     static constexpr double HARDEST = 1e-9;            // least q, where bodies are nearly wedged
     static constexpr double MOST_HELD = 3;             // of the compliance in it, times the least in the island
     static constexpr double SOFTEST = 1e4;
+    static constexpr double FOLLOWED = 0.1;            // part of the coefficient of friction by which normal r are shorter
     static constexpr int FEW_STEPS = 10, STEPS = 20, PROXIMAL_ROUNDS = 80;
     static constexpr int PATIENCE = 2, MORE_PATIENCE = 8;  // settled rounds without a gain: while rows may change, and then
 
@@ -209,13 +210,15 @@ template <int d> class LocalProblem {
         return most;
     }
 
-    /// r of a contact: one over the diagonal of W with the proximal term, normal and tangential.
+    /// r of a contact, normal and tangential: one over the diagonal of W, and with the proximal term of that, too;
+    /// Newton's method cycles with a normal one that is not shorter the faster friction follows.
     static std::array<double, 2> lengths(const I& island, std::size_t contact, double softness) {
         std::array<double, 2> r;
         for (int t = 0; t < 2; t++) {
             const double own = island.own[contact][t] + softness * held_compliance(island, contact, t);
             r[t] = own > 0 ? 1 / own : 1;
         }
+        if (softness > 0) r[0] /= 1 + FOLLOWED * island.contacts[contact]->bound.mu;
         return r;
     }
 
