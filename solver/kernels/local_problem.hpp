@@ -153,13 +153,14 @@ template <int d> class LocalProblem {
             const bool settled = newton(island, q, STEPS, std::min({enough, 1.0, 0.1 * e}));
             if (!settled) restore(island, anchor_);
             e = error(island, 0);
-            if (settled) stalled = e > 0.5 * least ? stalled + 1 : 0;
+            const bool gains = e <= 0.5 * least;
+            if (settled) stalled = gains ? 0 : stalled + 1;
             if (e < least) {
                 least = e;
                 solved = is_solved(e);
                 save(island, best_);
             }
-            if (solved && stalled > 0 && (least <= ENOUGH || stalled >= patience)) break;
+            if (solved && !gains && (least <= ENOUGH || stalled >= patience)) break;
             // A harder term than at first is less exact where impulses are not unique.
             const double hardest = stalled > 0 ? HARDEST : std::min(SOFTNESS, q);
             q = settled ? std::max(hardest, 0.3 * q) : 5 * q;
