@@ -119,9 +119,6 @@ template <int d> class LocalProblem {
 
     double largest_defect = 0;  // of y in what was taken unsettled, m/s
 
-    /// By how much the law is broken at most, m/s, after the last look.
-    double breach() const { return breach_; }
-
   private:
     static constexpr double TOLERANCE = 1e-12;         // of an impulse, relative to the largest of its contact
     static constexpr double ROUND_OFF = 64 * 2.2e-16;  // relative to the largest of all
@@ -395,7 +392,7 @@ template <int d> class LocalProblem {
         }
     }
 
-    double breach_ = 0;
+    double breach_ = 0;  // of the law at most, m/s, after the last look
     bool loose_ = false;
     long stamps_ = 0;
     BlockLU<unknowns> single_;

@@ -32,14 +32,14 @@ def test_wedged_bodies_are_settled(seed: int) -> None:
 
 def test_a_solution_that_is_not_sharp_gains_nothing() -> None:
     """A wall whose bricks weigh up to 7000 times as much as others."""
-    assembly, steps = Assembly(13090), 310
+    assembly, steps = Assembly(13090), 900
     world, shift = assembly.world, np.zeros((steps, assembly.d))
     taken = world.now().followed_by(
         world.run(steps, STEP, STEP / 4096, assembly.ground(steps), shift)
     )
     scale = np.abs(taken.stored).sum(axis=1).max()
     left = taken.stored.sum(axis=1) - taken.exchanged[:, 0]
-    assert world.counts()["loose"] > 0
+    assert world.counts()["loose"] > 10
     assert np.diff(left).max() < 2e-13 * scale
     assert np.diff(taken.exchanged[:, 1:].sum(axis=1)).min() > -2e-13 * scale
 
